@@ -1,0 +1,52 @@
+# `make design` and `make test` are all that a newcomer needs; the rest serves those who work on firmtouch.
+PYTHON ?= python3
+MODEL  ?= models/planar_2r_wall.yaml
+BIN    := .venv/bin
+SOURCE := $(shell find toolkit -name '*.py')
+
+.PHONY: design test test-all lint benchmark lock clean
+
+design: .venv/package
+	$(BIN)/firmtouch design $(MODEL)
+
+test: .venv/test
+	$(BIN)/python -m pytest -n auto -m "not slow"
+
+test-all: .venv/test
+	$(BIN)/python -m pytest -n auto
+
+lint: .venv/test
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+benchmark: .venv/test
+	$(BIN)/python -m tests.benchmarks
+
+# The three stamps: the environment, the package compiled in it, and the test extras.
+.venv/core: locks/core.txt
+	$(PYTHON) -m venv .venv
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r locks/core.txt
+	touch $@
+
+.venv/package: .venv/core pyproject.toml $(SOURCE)
+	test -x $(BIN)/firmtouch -a $@ -nt pyproject.toml || \
+	    $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
+	$(BIN)/python -m compileall -q toolkit
+	touch $@
+
+.venv/test: .venv/package locks/test.txt
+	test $@ -nt locks/test.txt || \
+	    $(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r locks/test.txt
+	touch $@
+
+# The locks hold names, versions and hashes, and no address. `pip install uv` first.
+lock:
+	uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-header --no-annotate \
+	    pyproject.toml locks/build.in --output-file locks/core.txt
+	uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-header --no-annotate \
+	    --extra test --constraint locks/core.txt pyproject.toml locks/build.in --output-file locks/test.txt
+
+clean:
+	rm -rf .venv build dist .mypy_cache .pytest_cache .ruff_cache .hypothesis

@@ -1,0 +1,86 @@
+"""firmtouch: position and contact-force regulation of constrained mechanisms.
+
+The walk from a model file to a report, each step a function from value to value:
+
+    read_model -> derive_plant -> find_operating_point -> assign_poles -> steady_state_errors -> design_model
+
+Names are loaded when they are first used, so that importing the package costs nothing.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any, Final
+
+if TYPE_CHECKING:
+    from firmtouch.checks import CheckReport, check_model
+    from firmtouch.design import Design, design_model
+    from firmtouch.errors import Diagnostic, FirmtouchError, InputError, ModelFileError, NoDesignError
+    from firmtouch.mechanics import Plant, derive_plant
+    from firmtouch.modelfile import ModelFile, ModelSpec, parse_model, read_model
+    from firmtouch.regulation import (
+        ClosedLoop,
+        Gains,
+        OperatingPoint,
+        SteadyState,
+        close_loop,
+        find_operating_point,
+        steady_state_errors,
+    )
+    from firmtouch.synthesis import assign_poles
+
+_HOMES: Final = {
+    "checks": ("CheckReport", "check_model"),
+    "design": ("Design", "design_model"),
+    "errors": ("Diagnostic", "FirmtouchError", "InputError", "ModelFileError", "NoDesignError"),
+    "mechanics": ("Plant", "derive_plant"),
+    "modelfile": ("ModelFile", "ModelSpec", "parse_model", "read_model"),
+    "regulation": (
+        "ClosedLoop",
+        "Gains",
+        "OperatingPoint",
+        "SteadyState",
+        "close_loop",
+        "find_operating_point",
+        "steady_state_errors",
+    ),
+    "synthesis": ("assign_poles",),
+}
+_HOME_OF: Final = {name: home for home, names in _HOMES.items() for name in names}
+
+__all__ = [
+    "CheckReport",
+    "ClosedLoop",
+    "Design",
+    "Diagnostic",
+    "FirmtouchError",
+    "Gains",
+    "InputError",
+    "ModelFile",
+    "ModelFileError",
+    "ModelSpec",
+    "NoDesignError",
+    "OperatingPoint",
+    "Plant",
+    "SteadyState",
+    "assign_poles",
+    "check_model",
+    "close_loop",
+    "derive_plant",
+    "design_model",
+    "find_operating_point",
+    "parse_model",
+    "read_model",
+    "steady_state_errors",
+]
+
+
+def __getattr__(name: str) -> Any:  # noqa: ANN401  # whatever the name stands for
+    home = _HOME_OF.get(name)
+    if home is None:
+        raise AttributeError(f"module 'firmtouch' has no attribute {name!r}")
+    return getattr(importlib.import_module(f"firmtouch.{home}"), name)
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -1,0 +1,122 @@
+"""Checks of what was derived: Hessians against finite differences, CasADi against SymPy."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from firmtouch.checks.inertia import ROUNDING
+from firmtouch.checks.result import CheckResult, at_most, largest, told
+from firmtouch.checks.subject import Subject, relative
+from firmtouch.mechanics import Array
+from firmtouch.mechanics.arrays import call
+
+if TYPE_CHECKING:
+    from firmtouch.mechanics.symbolic import SymbolicPlant
+
+STEP: Final = 1e-5
+DIFFERENCES: Final = 1e-6
+"""Central differences with step 1e-5 are good to 1e-10 of third derivatives and 1e-11 of rounding over the step."""
+LARGEST_SYMBOLIC: Final = 20_000
+"""CasADi operations beyond which SymPy would take more than a few seconds."""
+
+
+def hessians_symmetric(subject: Subject) -> CheckResult:
+    """Each Phi_j'' and P_qq equals its transpose."""
+    plant = subject.plant
+    stacked = call(plant.functions["Phi_qq"], subject.q_d, plant.p)
+    matrices = [*np.hsplit(stacked, plant.m), call(plant.functions["P_qq"], subject.q_d, plant.p)]
+    return at_most(
+        "Hessians symmetric", largest(relative(X - X.T, X) for X in matrices), ROUNDING, "P_qq and each Phi_j''"
+    )
+
+
+def hessians_by_differences(subject: Subject) -> CheckResult:
+    """Each Phi_j'' and P_qq equals the central difference of J and P_q."""
+    plant, errors = subject.plant, []
+    for q, _ in subject.states(3):
+        Phi_qq, P_qq = plant.Phi_qq(q), plant.P_qq(q)
+        J_size, g_size = plant.J(q), plant.P_q(q)
+        for i in range(plant.n):
+            h = np.eye(plant.n)[i] * STEP
+            J_i = (plant.J(q + h) - plant.J(q - h)) / (2 * STEP)
+            g_i = (plant.P_q(q + h) - plant.P_q(q - h)) / (2 * STEP)
+            errors += [relative(J_i - Phi_qq[:, i, :], Phi_qq, J_size), relative(g_i - P_qq[i], P_qq, g_size)]
+    detail = "against central differences of J and P_q at 3 configurations"
+    return at_most("Hessians exact", largest(errors), DIFFERENCES, detail)
+
+
+def derivations_agree(subject: Subject, symbolic: SymbolicPlant | None) -> CheckResult:
+    """CasADi's and SymPy's derivations agree at random states; `None` where SymPy was not asked."""
+    if symbolic is None:
+        return told("two derivations", "not compared: too large for SymPy")
+    errors: dict[str, float] = {}
+    for q, qdot in subject.states(3):
+        for name, (ours, theirs) in _pairs(subject, symbolic, q, qdot).items():
+            errors[name] = largest([errors.get(name, 0.0), relative(ours - theirs, ours)])
+    worst = max(errors, key=lambda name: errors[name])
+    detail = f"CasADi against SymPy at 3 states; largest difference in {worst}"
+    return at_most("two derivations", errors[worst], ROUNDING, detail)
+
+
+def worth_comparing(subject: Subject) -> bool:
+    """Tell whether SymPy can derive this model in a few seconds."""
+    functions = subject.plant.functions
+    return sum(functions[name].n_instructions() for name in ("theta", "M", "Phi_qq", "P_qq")) <= LARGEST_SYMBOLIC
+
+
+def _pairs(subject: Subject, symbolic: SymbolicPlant, q: Array, qdot: Array) -> dict[str, tuple[Array, Array]]:
+    plant = subject.plant
+    values = dict(zip(symbolic.q, q, strict=True)) | dict(zip(symbolic.qdot, qdot, strict=True))
+    values |= dict(zip(symbolic.p, plant.p, strict=True))
+    evaluate = _Evaluator(values)
+
+    def column(matrix: Any) -> Array:  # noqa: ANN401  # SymPy has no types
+        return evaluate.matrix(matrix).ravel()
+
+    return {
+        "M": (plant.M(q), evaluate.matrix(symbolic.M)),
+        "theta": (plant.theta(q, qdot), column(symbolic.theta)),
+        "Phi": (plant.Phi(q), column(symbolic.Phi)),
+        "J": (plant.J(q), evaluate.matrix(symbolic.J)),
+        "J' q'": (plant.Jdot_qdot(q, qdot), column(symbolic.Jdot_qdot)),
+        "P_q": (plant.P_q(q), column(symbolic.P_q)),
+        "P_qq": (plant.P_qq(q), evaluate.matrix(symbolic.P_qq)),
+        "Phi''": (plant.Phi_qq(q), np.stack([evaluate.matrix(each) for each in symbolic.Phi_qq])),
+    }
+
+
+class _Evaluator:
+    """Evaluates SymPy expressions in floats by walking them; `lambdify` would run generated code."""
+
+    def __init__(self, values: Mapping[Any, float]) -> None:
+        self._known: dict[Any, float] = {symbol: float(value) for symbol, value in values.items()}
+
+    def matrix(self, matrix: Any) -> Array:  # noqa: ANN401  # SymPy has no types
+        rows, columns = matrix.shape
+        return np.array([[self.scalar(matrix[i, j]) for j in range(columns)] for i in range(rows)])
+
+    def scalar(self, expression: Any) -> float:  # noqa: ANN401  # SymPy has no types
+        known = self._known.get(expression)
+        if known is None:
+            known = self._known[expression] = self._compute(expression)
+        return known
+
+    def _compute(self, expression: Any) -> float:  # noqa: ANN401  # SymPy has no types
+        if expression.is_number:
+            value = complex(expression)
+            return value.real if value.imag == 0 else math.nan
+        arguments = [self.scalar(each) for each in expression.args]
+        try:
+            if expression.is_Add:
+                return math.fsum(arguments)
+            if expression.is_Mul:
+                return math.prod(arguments)
+            if expression.is_Pow:
+                return math.pow(*arguments)
+            return float(getattr(math, type(expression).__name__)(*arguments))
+        except (ValueError, OverflowError, AttributeError, ZeroDivisionError):
+            return math.nan

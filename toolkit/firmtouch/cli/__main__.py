@@ -1,0 +1,6 @@
+"""`python -m firmtouch.cli` is `firmtouch`."""
+
+from firmtouch.cli import entry
+
+if __name__ == "__main__":
+    entry()

@@ -1,0 +1,75 @@
+"""The arguments of every command; the commands themselves are imported when they run."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+from pathlib import Path
+
+DESCRIPTION = (
+    "Feedback gains for mechanisms that press on surfaces: position and contact force, with poles, errors and a report."
+)
+EXAMPLES = """examples:
+  firmtouch new polisher                    write polisher.yaml, a commented model file
+  firmtouch check polisher.yaml             is the model what it says it is?
+  firmtouch design polisher.yaml            gains, report.html and report.pdf in reports/polisher/
+
+exit codes: 0 good, 1 the answer is no, 2 the question was wrong"""
+
+
+def build_parser() -> argparse.ArgumentParser:
+    """Describe the command line."""
+    parser = argparse.ArgumentParser(
+        prog="firmtouch", description=DESCRIPTION, epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--version", action=_Version, help="show the version and exit")
+    commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
+
+    design = commands.add_parser("design", help="find gains for a model, and write a report", description=_DESIGN)
+    design.add_argument("model", type=Path, metavar="MODEL", help="a model file (YAML)")
+    design.add_argument("--out", type=Path, metavar="DIR", help="where to write (default: reports/<model>)")
+    design.add_argument("--json", action="store_true", help="print design.json on stdout instead of words")
+    design.add_argument("--no-pdf", action="store_true", help="leave out report.pdf")
+    design.set_defaults(run=_command("design"))
+
+    check = commands.add_parser(
+        "check", help="check models: constraints, inertia, derivatives, energy", description=_CHECK
+    )
+    check.add_argument("models", type=Path, nargs="+", metavar="MODEL", help="model files (YAML)")
+    check.add_argument("--json", action="store_true", help="print JSON on stdout instead of tables")
+    check.set_defaults(run=_command("check"))
+
+    new = commands.add_parser("new", help="write a commented model file to start from", description=_NEW)
+    new.add_argument("name", metavar="NAME", help="the model's name; NAME.yaml is written, and never overwritten")
+    new.set_defaults(run=_command("new"))
+
+    schema = commands.add_parser("schema", help="print the JSON Schema of model files", description=_SCHEMA)
+    schema.set_defaults(run=_command("schema"))
+    return parser
+
+
+_DESIGN = "Find W, C and G_f for a model, check them, and write design.json, report.html and report.pdf."
+_CHECK = "Check models, one table each; exit code 1 if a check fails, 2 if a file cannot be read."
+_NEW = "Write NAME.yaml, a commented model file that works as it is."
+_SCHEMA = "Print the JSON Schema of model files, for editors that complete and check YAML."
+
+
+def _command(name: str) -> Callable[[argparse.Namespace], int]:
+    def run(arguments: argparse.Namespace) -> int:
+        import importlib
+
+        return int(importlib.import_module(f"firmtouch.cli.{name}").run(arguments))
+
+    return run
+
+
+class _Version(argparse.Action):
+    """`--version`, which reads the installed version only when asked."""
+
+    def __init__(self, option_strings: list[str], dest: str, **options: object) -> None:
+        super().__init__(option_strings, dest, nargs=0, help=str(options.get("help")))
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
+        from importlib.metadata import version
+
+        parser.exit(message=f"firmtouch {version('firmtouch')}\n")

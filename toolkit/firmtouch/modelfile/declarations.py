@@ -1,0 +1,156 @@
+"""What a file declares, found in a first and lenient reading, so that every expression can be checked on its own.
+
+Mistakes are not reported here but by the fields themselves; what is wrong is declared as unknown, so that it causes
+no second message elsewhere.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from firmtouch.modelfile.expression import ExpressionError, Kind, kind_of, parse
+from firmtouch.modelfile.expression.kind import UNKNOWN
+from firmtouch.modelfile.expression.problem import Problem
+from firmtouch.modelfile.expression.tree import Name, Node, Vector, children
+from firmtouch.modelfile.units import JOULE, SECOND, UnitError, parse_unit, split_quantity
+
+LARGEST_EXPANSION = 20_000
+DEEPEST_EXPANSION = 60
+
+
+@dataclass(frozen=True, slots=True)
+class Extent:
+    """How many nodes a tree has, and how deep it is."""
+
+    nodes: int
+    depth: int
+
+
+@dataclass(frozen=True, slots=True)
+class Declarations:
+    """Names and their kinds, as a first reading of the file found them."""
+
+    parameters: Mapping[str, Kind] = field(default_factory=dict)
+    coordinates: Mapping[str, Kind] = field(default_factory=dict)
+    definitions: Mapping[str, Kind] = field(default_factory=dict)
+    extents: Mapping[str, Extent] = field(default_factory=dict)
+    constraints: Mapping[str, Kind] = field(default_factory=dict)
+
+    @property
+    def names(self) -> dict[str, Kind]:
+        """All names that stand for a value."""
+        return {**self.parameters, **self.coordinates, **self.definitions}
+
+    @property
+    def rates(self) -> dict[str, Kind]:
+        """The kinds of the coordinates' time derivatives."""
+        return {name: Kind(kind.dimension / SECOND, known=kind.known) for name, kind in self.coordinates.items()}
+
+    def above(self, definition: str) -> Declarations:
+        """Give what is declared before a definition: definitions use what stands above them."""
+        before: dict[str, Kind] = {}
+        for name, kind in self.definitions.items():
+            if name == definition:
+                break
+            before[name] = kind
+        return Declarations(self.parameters, self.coordinates, before, self.extents, self.constraints)
+
+    @property
+    def joint_forces(self) -> dict[str, Kind]:
+        """The kinds of the generalised forces: energy by coordinate."""
+        return {name: Kind(JOULE / kind.dimension, known=kind.known) for name, kind in self.coordinates.items()}
+
+    @property
+    def multipliers(self) -> dict[str, Kind]:
+        """The kinds of the multipliers: energy by constraint."""
+        return {name: Kind(JOULE / kind.dimension, known=kind.known) for name, kind in self.constraints.items()}
+
+    def check(self, tree: Node, *, velocities: bool = False) -> Kind:
+        """Find an expression's kind, and refuse one that grows beyond bounds when its definitions are written out."""
+        kind = kind_of(tree, names=self.names, rates=self.rates if velocities else {})
+        extent = self.extent(tree)
+        if extent.nodes > LARGEST_EXPANSION or extent.depth > DEEPEST_EXPANSION:
+            message = (
+                f"{extent.nodes} operations, {extent.depth} deep, when its definitions are written out; "
+                f"at most {LARGEST_EXPANSION}, {DEEPEST_EXPANSION} deep, are read"
+            )
+            raise ExpressionError(Problem(message, tree.at))
+        return kind
+
+    def extent(self, tree: Node) -> Extent:
+        """Measure a tree with its definitions written out."""
+        if isinstance(tree, Name):
+            return self.extents.get(tree.name, Extent(1, 1))
+        below = [self.extent(each) for each in children(tree)]
+        return Extent(1 + sum(each.nodes for each in below), 1 + max((each.depth for each in below), default=0))
+
+
+def declarations(data: Mapping[str, Any]) -> Declarations:
+    """Read what a file declares."""
+    parameters = {name: _parameter(value) for name, value in _section(data, "parameters").items()}
+    coordinates = {name: _with_unit(value) for name, value in _section(data, "coordinates").items()}
+    constraints = {name: _with_unit(value) for name, value in _section(data, "constraints").items()}
+    definitions: dict[str, Kind] = {}
+    extents: dict[str, Extent] = {}
+    for name, value in _section(data, "definitions").items():
+        known = Declarations(parameters, coordinates, dict(definitions), dict(extents), constraints)
+        try:
+            tree = parse_entry(value)
+            extents[name] = known.extent(tree)
+            definitions[name] = known.check(tree)
+        except ExpressionError:
+            definitions[name] = UNKNOWN
+    return Declarations(parameters, coordinates, definitions, extents, constraints)
+
+
+def parse_entry(raw: object) -> Node:
+    """Parse an expression as it stands in a file: text, a number, or a list that makes a vector."""
+    if isinstance(raw, str):
+        return parse(raw)
+    if isinstance(raw, bool) or raw is None:
+        raise ExpressionError(Problem("an expression was expected, such as `l1*cos(q1)`"))
+    if isinstance(raw, int | float):
+        return parse(repr(raw))
+    if isinstance(raw, list) and raw:
+        return Vector(_entries(raw), 0)
+    raise ExpressionError(Problem("an expression was expected, such as `l1*cos(q1)`, or a list of them"))
+
+
+def _entries(raw: list[Any]) -> tuple[Node, ...]:
+    entries: list[Node] = []
+    problems: list[Problem] = []
+    for i, each in enumerate(raw):
+        try:
+            entries.append(parse_entry(each))
+        except ExpressionError as error:
+            problems.extend(problem.below(i) for problem in error.problems)
+    if problems:
+        raise ExpressionError(*problems)
+    return tuple(entries)
+
+
+def _section(data: Mapping[str, Any], name: str) -> Mapping[str, Any]:
+    section = data.get(name)
+    return section if isinstance(section, dict) else {}
+
+
+def _parameter(value: object) -> Kind:
+    if isinstance(value, dict):
+        value = value.get("value")
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        return Kind()
+    split = split_quantity(value) if isinstance(value, str) else None
+    return UNKNOWN if split is None else _of_unit(split[1])
+
+
+def _with_unit(value: object) -> Kind:
+    return _of_unit(value.get("unit") if isinstance(value, dict) else value)
+
+
+def _of_unit(text: object) -> Kind:
+    try:
+        return Kind(parse_unit(text).dimension) if isinstance(text, str) else UNKNOWN
+    except UnitError:
+        return UNKNOWN

@@ -1,0 +1,32 @@
+"""`constraints`: the holonomic constraints Phi(q) = 0, Eq. (1)."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field, ValidationInfo, model_validator
+
+from firmtouch.modelfile.expression import Problem
+from firmtouch.modelfile.fields import Expression, Text, UnitText, declared, expression_in, refuse
+from firmtouch.modelfile.sections.section import Section
+from firmtouch.modelfile.sections.variables import expect_si
+from firmtouch.modelfile.units import parse_unit
+
+
+class Constraint(Section):
+    """One constraint phi_j(q) = 0; lambda_j > 0 pushes the mechanism towards growing phi_j."""
+
+    expression: Annotated[Expression, expression_in(None)] = Field(description="phi_j, of the configuration alone")
+    unit: UnitText = Field(description="the unit of phi_j: in `m`, lambda_j is a force in newtons")
+    label: Text | None = Field(None, description="what it is, in words")
+
+    @model_validator(mode="after")
+    def _unit_is_that_of_phi(self, info: ValidationInfo) -> Constraint:
+        expect_si(self.unit)
+        kind = self.expression.kind
+        if not kind.fits(parse_unit(self.unit).dimension):
+            refuse(Problem(f"phi is in {kind.dimension}, but its `unit` is {self.unit}", path=("expression",)))
+        known = declared(info)
+        if not self.expression.names & {*known.coordinates, *known.definitions}:
+            refuse(Problem("a constraint in which no coordinate stands", path=("expression",)))
+        return self

@@ -1,0 +1,60 @@
+"""`parameters` and `coordinates`: what expressions are made of."""
+
+from __future__ import annotations
+
+from pydantic import Field, model_validator
+
+from firmtouch.modelfile.expression import Problem
+from firmtouch.modelfile.fields import AnyQuantity, Text, UnitText, expect_dimension, refuse, under
+from firmtouch.modelfile.sections.section import ShortSection
+from firmtouch.modelfile.units import parse_unit
+
+
+class Parameter(ShortSection):
+    """A constant of the mechanism, such as a length or a mass; `l1: 0.6 m` is short for `l1: {value: 0.6 m}`."""
+
+    short_for = "value"
+
+    value: AnyQuantity = Field(description="a number with its unit, such as `0.6 m`")
+    interval: tuple[AnyQuantity, AnyQuantity] | None = Field(
+        None, description="least and greatest value, where the parameter is not known exactly"
+    )
+    label: Text | None = Field(None, description="what it is, in words")
+
+    @model_validator(mode="after")
+    def _interval_holds_the_value(self) -> Parameter:
+        if self.interval is not None:
+            for i, end in enumerate(self.interval):
+                with under("interval", i):
+                    expect_dimension(end, self.value.dimension)
+            low, high = (end.value for end in self.interval)
+            if not low <= self.value.value <= high:
+                message = f"the interval from {low:g} to {high:g} does not hold the value {self.value.value:g} (in SI)"
+                refuse(Problem(message, path=("interval",)))
+        return self
+
+    @property
+    def unit(self) -> str:
+        """The SI unit of the value."""
+        return str(self.value.dimension)
+
+
+class Coordinate(ShortSection):
+    """A generalised coordinate; `q1: rad` is short for `q1: {unit: rad}`."""
+
+    short_for = "unit"
+
+    unit: UnitText = Field(description="`rad` for an angle, `m` for a length")
+    label: Text | None = Field(None, description="what it is, in words")
+
+    @model_validator(mode="after")
+    def _unit_is_si(self) -> Coordinate:
+        expect_si(self.unit)
+        return self
+
+
+def expect_si(unit: str) -> None:
+    """Refuse a unit that is a multiple of SI: matrices would no longer be in SI."""
+    if parse_unit(unit).factor != 1:
+        message = f"coordinates and constraints count in SI, and `{unit}` is a multiple; quantities may use it"
+        refuse(Problem(message, path=("unit",)))

@@ -1,0 +1,90 @@
+"""The model file that `firmtouch new` writes."""
+
+from __future__ import annotations
+
+TEMPLATE = """\
+# A model file of firmtouch. It works as it is:  firmtouch check {name}.yaml && firmtouch design {name}.yaml
+# Quantities are written with a unit (0.6 m, 70 deg, 40 N); a bare number is in SI.
+# Expressions know + - * / ** ( ), vectors [a, b], sin cos tan asin acos atan atan2 sinh cosh tanh exp log sqrt,
+# x(p) y(p) z(p) norm(p) inner(p, r) cross(p, r), and pi.
+schema: firmtouch.model/1
+title: {title}
+description: A planar arm with two joints presses its tip against a vertical wall.
+
+# Constants. An interval says how well one is known.
+parameters:
+  l1: {{value: 0.50 m, label: length of the upper arm}}
+  l2: {{value: 0.45 m, label: length of the forearm}}
+  m1: 6.0 kg
+  m2: {{value: 4.0 kg, interval: [3.5 kg, 5.0 kg], label: mass of the forearm with its tool}}
+  I1: 0.14 kg*m^2
+  I2: 0.08 kg*m^2
+  g: 9.81 m/s^2
+  d: {{value: 0.62 m, label: distance of the wall}}
+
+# The generalised coordinates q, in order.
+coordinates:
+  q1: {{unit: rad, label: shoulder}}
+  q2: {{unit: rad, label: elbow}}
+
+# Names for intermediate expressions; each may use those above it.
+definitions:
+  elbow: [l1*cos(q1), l1*sin(q1)]
+  along: [cos(q1 + q2), sin(q1 + q2)]
+  tip: elbow + l2*along
+
+# Either rigid bodies, in the plane (two entries) or in space (three), ...
+mechanism:
+  gravity: [0, -g]
+  bodies:
+    upper_arm:
+      mass: m1
+      inertia: I1                        # about the centre of mass
+      centre_of_mass: 0.5*elbow
+      orientation: q1                    # in space: [{{z: q1}}, {{y: q2}}]
+    forearm:
+      mass: m2
+      inertia: I2
+      centre_of_mass: elbow + 0.5*l2*along
+      orientation: q1 + q2
+# ... or the two energies of any mechanism, with dot(q1) for a velocity:
+#   kinetic_energy: 0.5*m*(dot(x)**2 + dot(y)**2)
+#   potential_energy: m*g*y
+
+# phi = 0. lambda > 0 pushes the mechanism towards growing phi; with phi in metres, lambda is in newtons.
+constraints:
+  wall: {{expression: d - x(tip), unit: m}}
+
+# Where to rest, and how hard to press. `guess` is projected onto the constraints; `q_d` must lie on them.
+operating_point:
+  guess: {{q1: 70 deg, q2: -75 deg}}
+  lambda_d: {{wall: 40 N}}                # or f_d, in joint coordinates
+
+# 2(n - m) poles, in 1/s. Complex ones in pairs: [-6+3j, -6-3j].
+design:
+  method: poles
+  poles: [-6, -8]
+  force_feedback: 0.8                    # G_f: a number, one for each constraint, or a matrix
+  normal_blocks: decouple                # or reject, or {{policy: blend, weight: 0.5}}
+
+# How large the causes of steady-state errors may be.
+bounds:
+  disturbance: 2 N*m
+  offset: 2 mm
+  tilt: 2 deg
+
+# What the report's picture shows.
+drawing:
+  lines:
+    arm: [[0, 0], elbow, tip]
+  surfaces:
+    wall: {{through: [[d, 0.05], [d, 0.75]]}}
+  contacts:
+    wall: tip
+"""
+
+
+def model_template(name: str) -> str:
+    """Give the text of a commented model file."""
+    title = " ".join(name.replace("_", " ").replace("-", " ").split()).capitalize() or "Model"
+    return TEMPLATE.format(name=name, title=f'"{title.replace(chr(34), "")}"')

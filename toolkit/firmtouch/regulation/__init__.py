@@ -1,0 +1,26 @@
+"""Plant + regulation point -> `OperatingPoint` -> `ClosedLoop`: controllers, poles, steady-state errors."""
+
+from firmtouch.regulation.closed_loop import ClosedLoop, Poles, Positivity, close_loop
+from firmtouch.regulation.controllers import closed_loop_acceleration, control_law
+from firmtouch.regulation.gains import Gains
+from firmtouch.regulation.operating_point import OperatingPoint, find_operating_point, project
+from firmtouch.regulation.split import Split, split_directions
+from firmtouch.regulation.steady_state import SteadyState, SteadyStateError, steady_state_errors
+
+__all__ = [
+    "ClosedLoop",
+    "Gains",
+    "OperatingPoint",
+    "Poles",
+    "Positivity",
+    "Split",
+    "SteadyState",
+    "SteadyStateError",
+    "close_loop",
+    "closed_loop_acceleration",
+    "control_law",
+    "find_operating_point",
+    "project",
+    "split_directions",
+    "steady_state_errors",
+]

@@ -1,0 +1,225 @@
+"""The regulation point (q_d, lambda_d): from the file's words, and what the theory needs there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from firmtouch.errors import NoDesignError
+from firmtouch.mechanics import Array, Plant
+from firmtouch.mechanics.arrays import frozen, symmetric
+
+MOST_STEPS: Final = 60
+LARGEST_STEP: Final = 0.5
+ON_SURFACE: Final = 1e-12
+"""Phi(q_d), in metres or radians: what Newton's method reaches in double precision for mechanisms of metre size."""
+NEAR_SURFACE: Final = 1e-3
+"""How far a stated q_d may miss the constraints (in the unit of Phi) and still be taken as a rounded one."""
+IN_RANGE: Final = 1e-6
+"""The part of f_d, relative to it, that may lie outside the range of J^T: file values are rounded."""
+RANK: Final = 1e-9
+"""Singular values of J below this part of the largest count as zero."""
+
+
+@dataclass(frozen=True, slots=True)
+class OperatingPoint:
+    """(q_d, lambda_d) and the plant there; N0 = P_qq - sum of lambda_dj Phi_j'', the stiffness that the plant brings.
+
+    `moved` is how far the projection moved the file's configuration, `residual` the largest |Phi| left.
+    """
+
+    plant: Plant
+    q_d: Array
+    lambda_d: Array
+    f_d: Array
+    M: Array
+    J: Array
+    g: Array
+    P_qq: Array
+    constraint_hessians: Array
+    N0: Array
+    residual: float
+    moved: float
+
+    @property
+    def n(self) -> int:
+        """The number of coordinates."""
+        return self.plant.n
+
+    @property
+    def m(self) -> int:
+        """The number of constraints."""
+        return self.plant.m
+
+
+@dataclass(frozen=True, slots=True)
+class Projection:
+    """Where Newton's method went, and what |Phi| it left."""
+
+    q: Array
+    residual: float
+    moved: float
+
+
+class OffSurfaceError(NoDesignError):
+    """The constraints cannot be met near the given configuration."""
+
+    def __init__(self, message: str, projection: Projection) -> None:
+        self.projection = projection
+        super().__init__(message)
+
+
+class ForceOutOfRangeError(NoDesignError):
+    """f_d is no constraint force: `part` of it (relative) lies outside the range of J^T."""
+
+    def __init__(self, part: float, outside: Array) -> None:
+        self.part, self.outside = part, outside
+        super().__init__(
+            f"f_d is no constraint force: {part:.2%} of it lies outside the range of J^T (the part {_short(outside)}); "
+            "the constraints can only carry f_d = J^T lambda_d, so give `lambda_d` instead"
+        )
+
+
+class DependentConstraintsError(NoDesignError):
+    """J has not full row rank; `dependencies` says which rows are combinations of which."""
+
+    def __init__(self, rank: int, dependencies: tuple[str, ...]) -> None:
+        self.rank, self.dependencies = rank, dependencies
+        super().__init__(f"the constraints are redundant at q_d (J has rank {rank}): {'; '.join(dependencies)}")
+
+
+def find_operating_point(plant: Plant) -> OperatingPoint:
+    """Find (q_d, lambda_d) as the file asks for it.
+
+    Raises
+    ------
+    OffSurfaceError
+        If the constraints cannot be met, or a stated q_d misses them.
+    DependentConstraintsError
+        If J(q_d) has not full row rank.
+    ForceOutOfRangeError
+        If a given f_d is not in the range of J^T.
+    """
+    spec = plant.spec.operating_point
+    q_d = locate(plant)
+    J = plant.J(q_d.q)
+    rank, dependencies = row_dependencies(plant, J)
+    if dependencies:
+        raise DependentConstraintsError(rank, dependencies)
+    if spec.lambda_d is not None:
+        lambda_d = frozen([spec.lambda_d[name] for name in plant.spec.constraints])
+    else:
+        part, outside, lambda_d = constraint_force_of(plant, J)
+        if part > IN_RANGE:
+            raise ForceOutOfRangeError(part, outside)
+    return operating_point_at(plant, q_d, lambda_d)
+
+
+def operating_point_at(plant: Plant, projection: Projection, lambda_d: Array) -> OperatingPoint:
+    """Evaluate the plant at a configuration on the constraints."""
+    q_d = projection.q
+    J, P_qq, Phi_qq = plant.J(q_d), plant.P_qq(q_d), plant.Phi_qq(q_d)
+    return OperatingPoint(
+        plant=plant,
+        q_d=q_d,
+        lambda_d=lambda_d,
+        f_d=frozen(J.T @ lambda_d),  # Eq. (6)
+        M=plant.M(q_d),
+        J=J,
+        g=plant.P_q(q_d),
+        P_qq=P_qq,
+        constraint_hessians=Phi_qq,
+        N0=symmetric(P_qq - np.tensordot(lambda_d, Phi_qq, axes=1)),  # of Eq. (14)
+        residual=projection.residual,
+        moved=projection.moved,
+    )
+
+
+def locate(plant: Plant) -> Projection:
+    """Find q_d on the constraints from the file's `q_d` or `guess`."""
+    spec = plant.spec.operating_point
+    given = spec.q_d if spec.q_d is not None else spec.guess
+    assert given is not None
+    start = frozen([given[name] for name in plant.spec.coordinates])
+    if spec.q_d is not None:
+        missed = float(np.max(np.abs(plant.Phi(start))))
+        if not missed <= NEAR_SURFACE:
+            at = Projection(start, missed, 0.0)
+            raise OffSurfaceError(
+                f"q_d misses the constraints by {missed:.3g} (largest |phi|, in its unit); "
+                "correct it, or write `guess` instead of `q_d` to have it projected",
+                at,
+            )
+    return project(plant, start)
+
+
+def project(plant: Plant, start: Array) -> Projection:
+    """Project a configuration onto Phi(q) = 0 by Newton's method with the step of least norm.
+
+    Raises
+    ------
+    OffSurfaceError
+        If it does not converge; its `projection` says how far it came.
+    """
+    q = np.array(start)
+    best, best_residual = q, np.inf
+    for _ in range(MOST_STEPS):
+        Phi = plant.Phi(q)
+        residual = float(np.max(np.abs(Phi)))
+        if not np.isfinite(residual):
+            break
+        if residual < best_residual:
+            best, best_residual = q, residual
+        elif best_residual <= ON_SURFACE:
+            break
+        J = plant.J(q)
+        if not np.all(np.isfinite(J)):
+            break
+        step = np.linalg.lstsq(J, -Phi, rcond=RANK)[0]
+        length = float(np.linalg.norm(step))
+        q = q + step * min(1.0, LARGEST_STEP / length if length else 1.0)
+    projection = Projection(frozen(best), best_residual, float(np.linalg.norm(best - start)))
+    if not best_residual <= ON_SURFACE * max(1.0, float(np.max(np.abs(best)))):
+        raise OffSurfaceError(
+            f"no configuration near the given one satisfies the constraints: Newton's method came to {_short(best)}, "
+            f"where the largest |phi| is {best_residual:.3g}",
+            projection,
+        )
+    return projection
+
+
+def constraint_force_of(plant: Plant, J: Array) -> tuple[float, Array, Array]:
+    """Solve f_d = J^T lambda_d: the relative part outside the range of J^T, that part itself, and lambda_d."""
+    given = plant.spec.operating_point.f_d
+    assert given is not None
+    f_d = np.array([given[name] for name in plant.spec.coordinates])
+    lambda_d = np.linalg.lstsq(J.T, f_d, rcond=RANK)[0]
+    outside = f_d - J.T @ lambda_d
+    size = float(np.linalg.norm(f_d))
+    return (float(np.linalg.norm(outside)) / size if size else 0.0), frozen(outside), frozen(lambda_d)
+
+
+def row_dependencies(plant: Plant, J: Array) -> tuple[int, tuple[str, ...]]:
+    """Find the rank of J and, for each redundant row, which rows above it make it up."""
+    names = list(plant.spec.constraints)
+    scale = float(np.linalg.norm(J, 2)) or 1.0
+    kept: list[int] = []
+    found = []
+    for j, row in enumerate(J):
+        if not kept:
+            weights, rest = np.zeros(0), row
+        else:
+            weights = np.linalg.lstsq(J[kept].T, row, rcond=None)[0]
+            rest = row - J[kept].T @ weights
+        if float(np.linalg.norm(rest)) > RANK * scale:
+            kept.append(j)
+            continue
+        terms = [f"{w:+.4g} {names[k]}" for w, k in zip(weights, kept, strict=True) if abs(w) > RANK]
+        found.append(f"the gradient of `{names[j]}` is {' '.join(terms) if terms else 'zero'}")
+    return len(kept), tuple(found)
+
+
+def _short(values: Array) -> str:
+    return "(" + ", ".join(f"{each:.4g}" for each in values) + ")"

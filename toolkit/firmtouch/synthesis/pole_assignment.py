@@ -1,0 +1,145 @@
+"""Steps 1-6 of the paper: W and C that put the poles of the linearised loop where they are asked."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Final
+
+import numpy as np
+import scipy.linalg
+import scipy.optimize
+
+from firmtouch.errors import NoDesignError
+from firmtouch.mechanics import Array
+from firmtouch.mechanics.arrays import frozen, symmetric
+from firmtouch.modelfile.sections.design import DesignSpec
+from firmtouch.regulation import ClosedLoop, Gains, OperatingPoint, close_loop, split_directions
+from firmtouch.regulation.closed_loop import match_poles, pole_distance
+from firmtouch.synthesis.normal_blocks import damping_blocks, stiffness_blocks
+from firmtouch.synthesis.pairing import Mode, pairings
+
+POLE_TOLERANCE: Final = 1e-6
+"""Largest distance of an achieved pole, relative to the largest: double poles move by the square root of rounding."""
+MOST_REFINED: Final = 8
+"""Starts of the refinement of the mode shapes; further pairings keep the plant's shapes."""
+
+
+class PolesMissedError(NoDesignError):
+    """The finished gains do not give the poles; both lists and the distance are kept."""
+
+    def __init__(self, requested: tuple[complex, ...], achieved: tuple[complex, ...], residual: float) -> None:
+        self.requested, self.achieved, self.residual = requested, achieved, residual
+        asked = ", ".join(f"{each:.6g}" for each in requested)
+        got = ", ".join(f"{each:.6g}" for each in achieved)
+        super().__init__(
+            f"the poles miss: asked for {asked}; the finished gains give {got} (relative distance {residual:.2g}, "
+            f"allowed {POLE_TOLERANCE:g}); the problem is badly scaled or the inertia nearly singular"
+        )
+
+
+class NotPositiveError(NoDesignError):
+    """C, K or W is not positive definite on the level that was asked for."""
+
+    def __init__(self, loop: ClosedLoop, level: str) -> None:
+        self.loop, self.level = loop, level
+        positivity = loop.full if level == "full" else loop.tangent
+        least = {"K": positivity.K[0], "C": positivity.C[0], "W": positivity.W[0]}
+        figures = ", ".join(f"{name}_min = {value:.4g}" for name, value in least.items())
+        remedy = (
+            "; the poles ask for less stiffness than the plant brings by itself (W22 = K22 - N0_22 is not positive): "
+            "take faster poles, or `level: tangent`, which needs no W > 0"
+            if loop.tangent.holds and loop.tangent.W[0] <= 0
+            else ""
+        )
+        super().__init__(f"not positive definite on the {level} level: {figures}{remedy}")
+
+
+def assign_poles(op: OperatingPoint, design: DesignSpec) -> ClosedLoop:
+    """Choose W and C by pole assignment, and analyse the closed loop from the finished gains.
+
+    Raises
+    ------
+    PolesMissedError
+        If the poles of the finished gains are not those asked for.
+    NotPositiveError
+        If the conditions fail on the level that is asked for.
+    """
+    gains = pole_assignment_gains(op, design)
+    loop = close_loop(op, gains)
+    requested = requested_poles(design)
+    residual = max(pole_distance(poles, requested) for poles in (loop.poles.pencil, loop.poles.reduced))
+    if not residual <= POLE_TOLERANCE:
+        raise PolesMissedError(requested, match_poles(loop.poles.pencil, requested), residual)
+    if not (loop.full if design.level == "full" else loop.tangent).holds:
+        raise NotPositiveError(loop, design.level)
+    return loop
+
+
+def requested_poles(design: DesignSpec) -> tuple[complex, ...]:
+    """List the poles that the file asks for, in its order."""
+    return tuple(pole for group in design.poles for pole in group)
+
+
+def pole_assignment_gains(op: OperatingPoint, design: DesignSpec) -> Gains:
+    """Build the gains of Steps 1-6 with the chosen mode shapes and normal blocks."""
+    split = split_directions(op.J)
+    M, N0 = split.blocks(op.M), split.blocks(op.N0)
+    L = np.linalg.cholesky(M.X22)  # Step 3: M22 = S^T S with S = L^T
+    natural = scipy.linalg.eigh(symmetric(_normalised(N0.X22, L)))
+
+    def stiffness(modes: tuple[Mode, ...], Q: Array) -> Array:
+        K22 = symmetric(L @ Q @ np.diag([each.k for each in modes]) @ Q.T @ L.T)  # Step 4
+        return split.assemble(stiffness_blocks(K22, M, N0, design.normal_blocks))
+
+    modes, Q = _mode_shapes(design, natural, lambda modes, Q: float(np.linalg.norm(stiffness(modes, Q) - op.N0)))
+    C22 = symmetric(L @ Q @ np.diag([each.c for each in modes]) @ Q.T @ L.T)
+    return Gains(
+        W=symmetric(stiffness(modes, Q) - op.N0),  # Step 6
+        C=split.assemble(damping_blocks(C22, M, design.normal_blocks)),  # Step 5
+        G_f=frozen(design.force_feedback),
+        bias=frozen(op.g - op.f_d),
+    )
+
+
+def _normalised(X22: Array, L: Array) -> Array:
+    half = scipy.linalg.solve_triangular(L, X22, lower=True)
+    return frozen(scipy.linalg.solve_triangular(L, half.T, lower=True))
+
+
+def _mode_shapes(
+    design: DesignSpec, natural: tuple[Array, Array], size: Callable[[tuple[Mode, ...], Array], float]
+) -> tuple[tuple[Mode, ...], Array]:
+    """Choose which pair of poles goes to which mode shape (the columns of Q, in mass-normalised coordinates).
+
+    On the plant's own shapes, the stiffness nearest to the plant's gives its k_i in the order of the plant's values
+    (Hoffman and Wielandt). `least_gain` then turns Q until ||W||_F is least, from the best of these starts.
+    """
+    values, vectors = natural
+    starts = []
+    for modes in pairings(design.poles):
+        ordered = tuple(sorted(modes, key=lambda each: (each.k, each.c)))
+        distance = sum((mode.k - value) ** 2 for mode, value in zip(ordered, values, strict=True))
+        starts.append((distance, ordered))
+    starts.sort(key=lambda each: each[0])
+    if design.modes == "plant" or len(values) == 1:
+        return starts[0][1], vectors
+    refined = [_turned(modes, vectors, size) for _, modes in starts[:MOST_REFINED]]
+    _, modes, Q = min(refined, key=lambda each: each[0])
+    return modes, Q
+
+
+def _turned(
+    modes: tuple[Mode, ...], start: Array, size: Callable[[tuple[Mode, ...], Array], float]
+) -> tuple[float, tuple[Mode, ...], Array]:
+    """Minimise ||W||_F over Q = start expm(X), X skew, by a quasi-Newton method."""
+    dimension = start.shape[0]
+    below = np.tril_indices(dimension, -1)
+
+    def turn(x: Array) -> Array:
+        X = np.zeros((dimension, dimension))
+        X[below] = x
+        return frozen(start @ scipy.linalg.expm(X - X.T))
+
+    scale = size(modes, start) or 1.0
+    found = scipy.optimize.minimize(lambda x: size(modes, turn(x)) / scale, np.zeros(len(below[0])), method="BFGS")
+    return float(found.fun) * scale, modes, turn(found.x)

@@ -22,12 +22,12 @@ class CheckResult:
 
 def at_most(name: str, figure: float, bound: float, detail: str) -> CheckResult:
     """Check figure <= bound; a figure that is no number fails."""
-    return CheckResult(name, figure <= bound, figure if math.isfinite(figure) else math.inf, "<=", bound, detail)
+    return CheckResult(name, bool(figure <= bound), figure if math.isfinite(figure) else math.inf, "<=", bound, detail)
 
 
 def at_least(name: str, figure: float, bound: float, detail: str) -> CheckResult:
     """Check figure >= bound; a figure that is no number fails."""
-    return CheckResult(name, figure >= bound, figure if math.isfinite(figure) else -math.inf, ">=", bound, detail)
+    return CheckResult(name, bool(figure >= bound), figure if math.isfinite(figure) else -math.inf, ">=", bound, detail)
 
 
 def told(name: str, detail: str) -> CheckResult:

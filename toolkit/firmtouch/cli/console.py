@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
@@ -28,11 +28,11 @@ def talk_console() -> Console:
 
 
 @contextmanager
-def working(what: str) -> Iterator[Console]:
-    """Show what is being done, on a terminal alone."""
+def working(what: str) -> Iterator[Callable[[str], None]]:
+    """Show what is being done, on a terminal alone; what is given can be told the next step."""
     console = talk_console()
     if not console.is_terminal:
-        yield console
+        yield lambda _: None
         return
-    with console.status(what):
-        yield console
+    with console.status(what) as status:
+        yield status.update

@@ -1,0 +1,56 @@
+"""`firmtouch design MODEL`."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from firmtouch.cli import GOOD
+from firmtouch.cli.console import results_console, talk_console, working
+
+if TYPE_CHECKING:
+    from firmtouch.design import Design
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Design, write the files, and print the verdict."""
+    from firmtouch.modelfile import read_model
+    from firmtouch.report import verdict, write_files
+
+    with working(f"reading {arguments.model}") as progress:
+        model = read_model(arguments.model)
+        progress("loading the design tools")
+        from firmtouch.design import design_model
+
+        design = design_model(model, progress)
+        contents = _contents(design, progress, pdf=not arguments.no_pdf)
+        folder = arguments.out if arguments.out is not None else Path("reports") / model.name
+        progress("writing")
+        paths = write_files(folder, contents)
+    if arguments.json:
+        sys.stdout.write(contents["design.json"].decode())
+        return GOOD
+    console = results_console()
+    console.print(verdict(design), markup=False)
+    for warning in design.warnings:
+        talk_console().print(f"warning: {warning}", style="yellow", markup=False)
+    for path in paths:
+        console.print(f"  {path}", markup=False, soft_wrap=True)
+    return GOOD
+
+
+def _contents(design: Design, progress, *, pdf: bool) -> dict[str, bytes]:  # type: ignore[no-untyped-def]
+    from firmtouch.report import design_as_json, design_document, render_html, render_pdf
+
+    progress("drawing the report")
+    document = design_document(design)
+    contents = {"design.json": (json.dumps(design_as_json(design), indent=1, allow_nan=False) + "\n").encode()}
+    progress("setting report.html")
+    contents["report.html"] = render_html(document).encode()
+    if pdf:
+        progress("setting report.pdf")
+        contents["report.pdf"] = render_pdf(document)
+    return contents

@@ -1,0 +1,93 @@
+"""Steady-state errors: what constant errors of the world do to position and force."""
+
+from __future__ import annotations
+
+from firmtouch.design import Design
+from firmtouch.mechanics import Array
+from firmtouch.regulation import SteadyStateError
+from firmtouch.report.contents.operating_point import as_matrix
+from firmtouch.report.document import Block, Equation, Line, Math, Matrices, Paragraph, Section, Table
+from firmtouch.report.numbers import number, vector
+
+
+def section(design: Design) -> Section:
+    """Write the errors."""
+    errors, m = design.steady_state, design.loop.operating_point.m
+    blocks: list[Block] = [
+        Paragraph(
+            (
+                "If the world differs from the model by a constant, the closed loop comes to rest a little off. These "
+                "predictions are exact in first order.",
+            )
+        ),
+        Equation(
+            "delta q = T d, quad delta lambda = -Lambda (J K^(-1) J^T)^(-1) J K^(-1) d, "
+            "quad T = V_2 K_22^(-1) V_2^T, quad Lambda = (I + G_f)^(-1)",
+            "(25), (26)",
+        ),
+        Equation(
+            "delta q = K^(-1) J^T (J K^(-1) J^T)^(-1) Delta, quad delta lambda = Lambda (J K^(-1) J^T)^(-1) Delta",
+            "(31), (32)",
+        ),
+        Equation("delta q = 0, quad delta lambda = -(R^T + G_f)^(-1) (R^T - I) lambda_d", "(35), (36)"),
+        _worst(design),
+    ]
+    if m == 1:
+        text = "With one constraint the paper's rotation R can only be ±1, so its row is empty; a real error of the surface's "
+        blocks.append(Paragraph((text + "normal is the tilt.",)))
+    blocks += [
+        Paragraph(("Per unit of a constant force ", Math("d"), " and of an offset ", Math("Delta"), ":")),
+        Matrices(
+            (
+                as_matrix("delta q slash d", errors.force.position),
+                as_matrix("delta lambda slash d", errors.force.constraint_force),
+                as_matrix("delta q slash Delta", errors.offset.position),
+                as_matrix("delta lambda slash Delta", errors.offset.constraint_force),
+            )
+        ),
+        Paragraph(
+            (
+                "Wrong gravity acts as the force ",
+                Math("d = hat(g) - g"),
+                ", a tilt ",
+                Math("J -> J + E"),
+                " as ",
+                Math("d = E^T lambda_d"),
+                ". Stiffer position gains help against forces and harm the contact force under offsets, which grows with ",
+                Math("K"),
+                "; force feedback divides every force error by ",
+                Math("I + G_f"),
+                ".",
+            )
+        ),
+    ]
+    return Section("Steady-state errors", tuple(blocks))
+
+
+def _worst(design: Design) -> Table:
+    errors = design.steady_state
+    m = design.loop.operating_point.m
+    named: list[tuple[str, str, SteadyStateError, str]] = [
+        ("constant force", "d", errors.force, "SI"),
+        ("surface offset", "Delta", errors.offset, "SI"),
+        ("surface tilt", "E^T lambda_d", errors.tilt, "rad"),
+    ]
+    if m > 1:
+        named.append(("rotation", "(R^T - I) lambda_d", errors.rotation, "rad"))
+    rows: list[tuple[Line, ...]] = []
+    for words, symbol, error, unit in named:
+        bound = (f"{words}, {_bound(error.bound, unit)}{'' if error.given else ' (no bound given)'}",)
+        for effect, worst in (("delta q", error.worst_position), ("delta lambda", error.worst_constraint_force)):
+            if worst.value > 0:
+                cause: Line = (Math(symbol), f" = {vector(worst.cause)}")
+                first = bound if effect == "delta q" or error.worst_position.value == 0 else ("",)
+                rows.append((first, (Math(f"abs({effect})"),), (number(worst.value),), cause, (vector(worst.effect),)))
+    headings: tuple[Line, ...] = (("cause, bound",), ("",), ("worst",), ("taken at",), ("where the effect is",))
+    return Table(headings, tuple(rows), frozenset({2}), "Worst cases, with the direction in which they are taken.")
+
+
+def _bound(bound: float | Array, unit: str) -> str:
+    if isinstance(bound, float):
+        return f"up to {number(bound, 3)} {unit}"
+    values = {float(each) for each in bound}
+    return f"up to {number(values.pop(), 3)}" if len(values) == 1 else f"semi-axes {vector(bound)}"

@@ -1,0 +1,7 @@
+"""The report's pictures, each a function from values to SVG."""
+
+from firmtouch.report.figures.eigenvalues import eigenvalue_chart
+from firmtouch.report.figures.mechanism import mechanism_picture
+from firmtouch.report.figures.s_plane import s_plane
+
+__all__ = ["eigenvalue_chart", "mechanism_picture", "s_plane"]

@@ -1,0 +1,68 @@
+"""One look for all figures, and SVG that is the same on every machine."""
+
+from __future__ import annotations
+
+import io
+import re
+from typing import TYPE_CHECKING, Any, Final
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+INK: Final = "#1b2733"
+MUTED: Final = "#6b7a88"
+FAINT: Final = "#d9e0e6"
+SURFACE: Final = "#e9e3d6"
+SURFACE_EDGE: Final = "#8a7a55"
+ARM: Final = "#2b5c8a"
+FORCE: Final = "#c2382b"
+GOOD: Final = "#2f7d4f"
+HALO: Final = "#ffffff"
+
+_STYLE: Final[dict[str, Any]] = {
+    "svg.hashsalt": "firmtouch",
+    "svg.fonttype": "path",
+    "font.family": "DejaVu Sans",
+    "mathtext.fontset": "dejavusans",
+    "font.size": 9,
+    "axes.edgecolor": MUTED,
+    "axes.labelcolor": INK,
+    "axes.linewidth": 0.8,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "grid.color": FAINT,
+    "grid.linewidth": 0.6,
+    "xtick.color": MUTED,
+    "ytick.color": MUTED,
+    "xtick.labelcolor": INK,
+    "ytick.labelcolor": INK,
+    "legend.frameon": False,
+    "hatch.linewidth": 0.6,
+}
+
+
+def styled() -> Any:  # noqa: ANN401  # matplotlib's context manager
+    """Draw within this context."""
+    import matplotlib as mpl
+
+    return mpl.rc_context(_STYLE)
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """Make a figure, in inches, without any window or global state."""
+    from matplotlib.figure import Figure
+
+    return Figure(figsize=(width, height), layout="constrained")
+
+
+def as_svg(figure: Figure, prefix: str) -> str:
+    """Give a figure as SVG; the prefix keeps ids apart when several stand on one page."""
+    buffer = io.StringIO()
+    figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None}, transparent=True)
+    text = buffer.getvalue()
+    svg = text[text.index("<svg") :]
+    svg = re.sub(r'\bid="([^"]+)"', rf'id="{prefix}-\1"', svg)
+    svg = re.sub(r'(xlink:href|href)="#([^"]+)"', rf'\1="#{prefix}-\2"', svg)
+    return re.sub(r"url\(#([^)]+)\)", rf"url(#{prefix}-\1)", svg)

@@ -1,0 +1,57 @@
+"""Numbers for readers: four figures, true minus signs, powers of ten in superscripts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import Final
+
+from firmtouch.mechanics import Array
+
+_SUPERSCRIPTS: Final = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
+NEGLIGIBLE: Final = 1e-11
+"""Entries this much smaller than their matrix are rounding, and are shown as 0."""
+
+
+def number(value: float, figures: int = 4) -> str:
+    """Write a number with some significant figures."""
+    if math.isinf(value) or math.isnan(value):
+        return "∞" if value > 0 else "−∞" if value < 0 else "not a number"
+    if value == 0:
+        return "0"
+    exponent = math.floor(math.log10(abs(value)))
+    if -3 <= exponent < 5:
+        decimals = max(figures - 1 - exponent, 0)
+        text = f"{value:.{decimals}f}"
+        text = text.rstrip("0").rstrip(".") if "." in text else text
+    else:
+        mantissa, _, power = f"{value:.{figures - 1}e}".partition("e")
+        mantissa = mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa
+        text = f"{mantissa}×10{str(int(power)).translate(_SUPERSCRIPTS)}"
+    return text.replace("-", "−")
+
+
+def complex_number(value: complex, figures: int = 4) -> str:
+    """Write a complex number; an imaginary part of rounding size is left out."""
+    if abs(value.imag) <= NEGLIGIBLE * abs(value):
+        return number(value.real, figures)
+    sign = "+" if value.imag > 0 else "−"
+    return f"{number(value.real, figures)} {sign} {number(abs(value.imag), figures)}j"
+
+
+def matrix(values: Array, figures: int = 4) -> tuple[tuple[str, ...], ...]:
+    """Write a matrix, or a vector as a column."""
+    columns = values.reshape(-1, 1) if values.ndim == 1 else values
+    scale = max((abs(float(each)) for each in columns.ravel()), default=0.0)
+    return tuple(tuple(_entry(float(each), scale, figures) for each in row) for row in columns)
+
+
+def vector(values: Iterable[float], figures: int = 3) -> str:
+    """Write a vector in a line."""
+    entries = [float(each) for each in values]
+    scale = max((abs(each) for each in entries), default=0.0)
+    return "(" + ", ".join(_entry(each, scale, figures) for each in entries) + ")"
+
+
+def _entry(value: float, scale: float, figures: int) -> str:
+    return "0" if abs(value) <= NEGLIGIBLE * scale else number(value, figures)

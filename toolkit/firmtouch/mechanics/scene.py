@@ -36,13 +36,15 @@ class Round:
 class ContactForce:
     """The force F on the mechanism at a point: J_p^T F is the constraint's share of J^T lambda_d.
 
-    `remainder` is the part of that share which no force at this point makes (a moment, say), relative to it.
+    `remainder` is the part of that share which no force at this point makes (a moment, say), relative to it. Where two
+    parts of the mechanism press on each other, `reaction_at` is the point of the other, which feels -F.
     """
 
     constraint: str
     point: Array
     force: Array
     remainder: float
+    reaction_at: Array | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,14 +145,15 @@ def _last_column(J: ca.SX) -> int | None:
 
 def _contact_force(plant: Plant, geometry: _Geometry, name: str, q: Array, lambda_d: Array) -> ContactForce:
     assert plant.spec.drawing is not None
-    at = plant.spec.drawing.contacts[name]
-    point = geometry.symbols.column(at)
-    J_p = geometry.evaluate(plant, ca.jacobian(point, geometry.symbols.q).T, q)
+    points = [geometry.symbols.column(each) for each in plant.spec.drawing.contacts[name]]
+    relative = points[0] - points[1] if len(points) == 2 else points[0]
+    J_p = geometry.evaluate(plant, ca.jacobian(relative, geometry.symbols.q).T, q)
     j = list(plant.spec.constraints).index(name)
     share = lambda_d[j] * plant.J(q)[j]
     force, *_ = np.linalg.lstsq(J_p.T, share, rcond=1e-9)
     remainder = float(np.linalg.norm(J_p.T @ force - share)) / (float(np.linalg.norm(share)) or 1.0)
-    return ContactForce(name, geometry.evaluate(plant, point, q)[0], frozen(force), remainder)
+    at, *reaction_at = (geometry.evaluate(plant, each, q)[0] for each in points)
+    return ContactForce(name, at, frozen(force), remainder, reaction_at[0] if reaction_at else None)
 
 
 def _surfaces(

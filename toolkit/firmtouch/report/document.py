@@ -71,7 +71,7 @@ class Table:
     headings: tuple[Line, ...]
     rows: tuple[tuple[Line, ...], ...]
     numeric: frozenset[int] = frozenset()
-    caption: str = ""
+    caption: Line = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,7 +79,7 @@ class Figure:
     """A picture with its words: `alt` says what is to be seen, to those who cannot see it."""
 
     svg: str
-    caption: str
+    caption: Line
     alt: str
     width: float = 1.0
 
@@ -145,9 +145,11 @@ def formulas(document: Document) -> tuple[Math | Equation, ...]:
                     found[block] = None
                 case Matrices(matrices=matrices):
                     found.update((each.name, None) for each in matrices)
-                case Table(headings=headings, rows=rows):
-                    for cell in (*headings, *(cell for row in rows for cell in row)):
+                case Table(headings=headings, rows=rows, caption=caption):
+                    for cell in (*headings, *(cell for row in rows for cell in row), caption):
                         take(cell)
-                case Figure() | Cards():
+                case Figure(caption=caption):
+                    take(caption)
+                case Cards():
                     pass
     return tuple(found)

@@ -5,13 +5,19 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Any, Final
 
+from firmtouch.report.trigonometry import sum_of_angles
+
 if TYPE_CHECKING:
     import sympy
 
-READABLE: Final = 40
+READABLE: Final = 50
 """Operations up to which a closed form is read rather than skipped."""
+UNBROKEN: Final = 14
+"""Operations up to which something is put under a root or over a fraction bar, where no line can break."""
 WORTH_TIDYING: Final = 260
 """Operations up to which simplification is tried."""
+LARGEST_POWER: Final = 4
+"""Powers beyond this are not multiplied out."""
 _GREEK: Final = frozenset(
     "alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi rho sigma tau phi chi psi omega "
     "Gamma Delta Theta Lambda Xi Sigma Phi Psi Omega".split()
@@ -42,15 +48,10 @@ def rate(name: str) -> str:
 
 def tidy(expression: sympy.Expr) -> sympy.Expr | None:
     """Bring an expression into a readable form; `None` if there is none that is short enough."""
-    import sympy
-    from sympy.simplify.fu import TR8
-
-    if expression.count_ops() > WORTH_TIDYING or _has_large_power(expression):
-        return expression if expression.count_ops() <= READABLE else None
     forms = [expression]
-    expanded = sympy.expand(TR8(sympy.expand(expression)))
-    forms.append(expanded)
-    forms.append(_collected(expanded))
+    if expression.count_ops() <= WORTH_TIDYING and not _has_large_power(expression):
+        summed = sum_of_angles(expression)
+        forms += [summed] if summed is not None else []
     best = min(forms, key=lambda form: form.count_ops())
     return best if best.count_ops() <= READABLE else None
 
@@ -58,17 +59,7 @@ def tidy(expression: sympy.Expr) -> sympy.Expr | None:
 def _has_large_power(expression: sympy.Expr) -> bool:
     import sympy
 
-    return any(each.exp.is_number and abs(each.exp) > 4 for each in expression.atoms(sympy.Pow))
-
-
-def _collected(expression: Any) -> Any:  # noqa: ANN401  # SymPy has no types
-    """Gather the terms of each trigonometric factor."""
-    import sympy
-    from sympy.functions.elementary.trigonometric import TrigonometricFunction
-
-    waves = sorted(expression.atoms(TrigonometricFunction), key=sympy.default_sort_key)
-    collected = sympy.collect(expression, waves, evaluate=False) if waves else {sympy.Integer(1): expression}
-    return sympy.Add(*(wave * sympy.factor_terms(each) for wave, each in collected.items()))
+    return any(each.exp.is_number and abs(each.exp) > LARGEST_POWER for each in expression.atoms(sympy.Pow))
 
 
 def formula(expression: sympy.Expr, rates: frozenset[str] = frozenset()) -> str:
@@ -101,6 +92,8 @@ class _Printer:
         top = self._factors(numerator)
         if denominator == 1:
             return sign + top
+        if numerator.count_ops() > UNBROKEN:
+            return f"{sign}1/({self._factors(denominator)}) {f'({top})' if numerator.is_Add else top}"
         return f"{sign}({top})/({self._factors(denominator)})"
 
     def _factors(self, e: Any) -> str:  # noqa: ANN401  # SymPy has no types
@@ -113,7 +106,7 @@ class _Printer:
         if not e.is_Pow:
             return self._atom(e)
         base, exponent = e.as_base_exp()
-        if exponent.is_Rational and exponent.q == 2 and exponent.p == 1:
+        if exponent.is_Rational and exponent.q == 2 and exponent.p == 1 and base.count_ops() <= UNBROKEN:
             return f"sqrt({self.write(base)})"
         if base.is_Function and exponent.is_Integer and exponent.is_positive:
             return self._call(base, f"^{exponent}")

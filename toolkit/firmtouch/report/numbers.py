@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable
 from typing import Final
 
@@ -51,6 +52,12 @@ def vector(values: Iterable[float], figures: int = 3) -> str:
     entries = [float(each) for each in values]
     scale = max((abs(each) for each in entries), default=0.0)
     return "(" + ", ".join(_entry(each, scale, figures) for each in entries) + ")"
+
+
+def unit(text: str) -> str:
+    """Write a unit for readers: `kg*m^2` as kg m²."""
+    written = text.replace("**", "^").replace("*", " ")
+    return re.sub(r"\^(-?[0-9]+)", lambda match: match[1].translate(_SUPERSCRIPTS), written)
 
 
 def _entry(value: float, scale: float, figures: int) -> str:

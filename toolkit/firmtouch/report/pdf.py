@@ -67,7 +67,7 @@ def _block(block: Block, names: dict[Figure, str]) -> str:
         case Table():
             return _table(block)
         case Figure(caption=caption, alt=alt, width=width):
-            return f"#picture({_string(names[block])}, {_string(caption)}, {_string(alt)}, {width})"
+            return f"#picture({_string(names[block])}, [{_line(caption)}], {_string(alt)}, {width})"
 
 
 def _matrix(matrix: Matrix) -> str:
@@ -80,7 +80,7 @@ def _table(table: Table) -> str:
     rows = ", ".join(f"({', '.join(f'[{_line(cell)}]' for cell in row)},)" for row in table.rows)
     numeric = ", ".join(str(i) for i in sorted(table.numeric))
     numeric = f"({numeric},)" if numeric else "()"
-    return f"#data(({headings},), ({rows},), {numeric}, {_string(table.caption)})"
+    return f"#data(({headings},), ({rows},), {numeric}, [{_line(table.caption)}])"
 
 
 def _line(line: Line) -> str:

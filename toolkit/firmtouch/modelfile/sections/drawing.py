@@ -55,11 +55,22 @@ class Surface(Section):
         return self
 
 
-def _contacts(raw: object, info: ValidationInfo) -> dict[str, Expression]:
+def _contacts(raw: object, info: ValidationInfo) -> dict[str, tuple[Expression, ...]]:
     if not isinstance(raw, dict):
         refuse(Problem("a point for each constraint whose force is drawn was expected, as in `{wall: tip}`"))
     check_keys(raw, declared(info).constraints, "constraint", complete=False)
-    return read_all(raw.items(), lambda _, each: _point(each, info))
+    return read_all(raw.items(), lambda _, each: _contact(each, info))
+
+
+def _contact(raw: object, info: ValidationInfo) -> tuple[Expression, ...]:
+    """Read a point, or two points that press on each other."""
+    if isinstance(raw, list) and len(raw) == 2:
+        entries = read_all(
+            enumerate(raw), lambda _, each: read_expression(each, declared(info), sizes=(0, *PLANE_OR_SPACE))
+        )
+        if all(each.size for each in entries.values()):
+            return tuple(read_all(enumerate(raw), lambda _, each: _point(each, info)).values())
+    return (_point(raw, info),)
 
 
 class Drawing(Section):
@@ -67,8 +78,10 @@ class Drawing(Section):
 
     lines: dict[Label, Points] = Field({}, description="polylines such as `arm: [[0, 0], elbow, tip]`")
     surfaces: dict[Label, Surface] = Field({}, description="what is touched")
-    contacts: Annotated[dict[str, Expression], Checked(_contacts, {"type": "object"})] = Field(
-        {}, description="constraint -> the point at which its force acts"
+    contacts: Annotated[dict[str, tuple[Expression, ...]], Checked(_contacts, {"type": "object"})] = Field(
+        {},
+        description="constraint -> the point at which its force acts; in a closed chain two points `[hand, handle]`, of "
+        "which the first feels the force and the second its reaction",
     )
 
     @model_validator(mode="after")
@@ -83,4 +96,5 @@ class Drawing(Section):
         centres = [each.centre for each in self.surfaces.values() if each.centre is not None]
         walls = [point for each in self.surfaces.values() for point in each.through or ()]
         lines: list[Any] = [point for line in self.lines.values() for point in line]
-        return (*lines, *walls, *centres, *self.contacts.values())
+        contacts = [point for points in self.contacts.values() for point in points]
+        return (*lines, *walls, *centres, *contacts)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from firmtouch.checks import CheckResult
 from firmtouch.design import Design
+from firmtouch.report.contents.prose import prose
 from firmtouch.report.document import Line, Paragraph, Section, Table
 from firmtouch.report.numbers import number
 
@@ -21,4 +22,4 @@ def _row(result: CheckResult) -> tuple[Line, ...]:
     figure = "" if told else number(result.figure, 2)
     bound = "" if told else f"{'≤' if result.relation == '<=' else '≥'} {number(result.bound, 2)}"
     mark = "" if told else "yes" if result.holds else "no"
-    return ((result.name,), (mark,), (figure,), (bound,), (result.detail,))
+    return (prose(result.name), (mark,), (figure,), (bound,), prose(result.detail))

@@ -6,6 +6,7 @@ from firmtouch.design import Design
 from firmtouch.mechanics import Array
 from firmtouch.regulation import SteadyStateError
 from firmtouch.report.contents.operating_point import as_matrix
+from firmtouch.report.contents.units import units_of
 from firmtouch.report.document import Block, Equation, Line, Math, Matrices, Paragraph, Section, Table
 from firmtouch.report.numbers import number, vector
 
@@ -65,11 +66,11 @@ def section(design: Design) -> Section:
 
 
 def _worst(design: Design) -> Table:
-    errors = design.steady_state
+    errors, units = design.steady_state, units_of(design.model.spec)
     m = design.loop.operating_point.m
     named: list[tuple[str, str, SteadyStateError, str]] = [
-        ("constant force", "d", errors.force, "SI"),
-        ("surface offset", "Delta", errors.offset, "SI"),
+        ("constant force", "d", errors.force, units.joint_force),
+        ("surface offset", "Delta", errors.offset, units.offset),
         ("surface tilt", "E^T lambda_d", errors.tilt, "rad"),
     ]
     if m > 1:
@@ -77,17 +78,18 @@ def _worst(design: Design) -> Table:
     rows: list[tuple[Line, ...]] = []
     for words, symbol, error, unit in named:
         bound = (f"{words}, {_bound(error.bound, unit)}{'' if error.given else ' (no bound given)'}",)
-        for effect, worst in (("delta q", error.worst_position), ("delta lambda", error.worst_constraint_force)):
+        for effect, worst, of_effect in (
+            ("delta q", error.worst_position, units.coordinate),
+            ("delta lambda", error.worst_constraint_force, units.multiplier),
+        ):
             if worst.value > 0:
                 cause: Line = (Math(symbol), f" = {vector(worst.cause)}")
                 first = bound if effect == "delta q" or error.worst_position.value == 0 else ("",)
-                rows.append((first, (Math(f"abs({effect})"),), (number(worst.value),), cause, (vector(worst.effect),)))
+                rows.append((first, (Math(f"abs({effect})"),), (f"{number(worst.value, 3)} {of_effect}",), cause, (vector(worst.effect),)))
     headings: tuple[Line, ...] = (("cause, bound",), ("",), ("worst",), ("taken at",), ("where the effect is",))
-    return Table(headings, tuple(rows), frozenset({2}), "Worst cases, with the direction in which they are taken.")
+    return Table(headings, tuple(rows), frozenset({2}), ("Worst cases, with the direction in which they are taken.",))
 
 
 def _bound(bound: float | Array, unit: str) -> str:
-    if isinstance(bound, float):
-        return f"up to {number(bound, 3)} {unit}"
-    values = {float(each) for each in bound}
-    return f"up to {number(values.pop(), 3)}" if len(values) == 1 else f"semi-axes {vector(bound)}"
+    values = {bound} if isinstance(bound, float) else {float(each) for each in bound}
+    return f"up to {number(values.pop(), 3)} {unit}" if len(values) == 1 else f"semi-axes {vector(bound)}"

@@ -6,6 +6,8 @@ import numpy as np
 
 from firmtouch.design import Design
 from firmtouch.mechanics import Scene
+from firmtouch.report.contents.prose import prose
+from firmtouch.report.contents.units import units_of
 from firmtouch.report.contents.verdict import verdict
 from firmtouch.report.document import Block, Callout, Card, Cards, Figure, Paragraph, Section
 from firmtouch.report.figures import mechanism_picture
@@ -15,8 +17,8 @@ from firmtouch.report.numbers import number
 
 def section(design: Design) -> Section:
     """Write the head."""
-    blocks: list[Block] = [Callout("good", (verdict(design),))]
-    blocks += [Callout("warning", (each,)) for each in design.warnings]
+    blocks: list[Block] = [Callout("good", prose(verdict(design)))]
+    blocks += [Callout("warning", prose(each)) for each in design.warnings]
     if design.model.spec.description:
         blocks.append(Paragraph((design.model.spec.description,)))
     blocks.append(_cards(design))
@@ -26,31 +28,19 @@ def section(design: Design) -> Section:
 
 
 def _cards(design: Design) -> Cards:
-    op, errors = design.loop.operating_point, design.steady_state
+    loop, errors, units = design.loop, design.steady_state.force, units_of(design.model.spec)
     slowest = max(pole.real for pole in design.achieved)
     cards = [
-        Card(f"{op.n} / {op.m}", "", "coordinates / constraints"),
+        Card(f"{loop.operating_point.n} / {loop.operating_point.m}", "", "coordinates / constraints"),
         Card(number(-4 / slowest, 3), "s", "settling time to 2 %"),
-        Card(number(float(np.linalg.norm(design.loop.gains.W, 2)), 3), _stiffness(design), "largest stiffness ‖W‖"),
-        Card(number(float(design.loop.full.K[0]), 3), _stiffness(design), "least eigenvalue of (14)"),
+        Card(number(float(np.linalg.norm(loop.gains.W, 2)), 3), units.stiffness, "largest stiffness ‖W‖"),
+        Card(number(float(loop.full.K[0]), 3), units.stiffness, "least eigenvalue of (14)"),
     ]
-    if errors.force.given:
-        unit = "rad" if _stiffness(design) == "N m/rad" else "m" if _stiffness(design) == "N/m" else ""
-        cards.append(Card(number(errors.force.worst_position.value, 3), unit, "worst position error under disturbance"))
-        unit = _force_unit(design)
-        worst = errors.force.worst_constraint_force.value
-        cards.append(Card(number(worst, 3), unit, "worst force error under disturbance"))
+    if errors.given:
+        position, force = errors.worst_position.value, errors.worst_constraint_force.value
+        cards.append(Card(number(position, 3), units.coordinate, "worst position error under disturbance"))
+        cards.append(Card(number(force, 3), units.multiplier, "worst force error under disturbance"))
     return Cards(tuple(cards))
-
-
-def _stiffness(design: Design) -> str:
-    units = {each.unit for each in design.model.spec.coordinates.values()}
-    return {frozenset({"rad"}): "N m/rad", frozenset({"m"}): "N/m"}.get(frozenset(units), "SI")
-
-
-def _force_unit(design: Design) -> str:
-    units = {each.unit for each in design.model.spec.constraints.values()}
-    return {frozenset({"m"}): "N", frozenset({"rad"}): "N m"}.get(frozenset(units), "SI")
 
 
 def _picture(scene: Scene) -> Figure:
@@ -61,4 +51,4 @@ def _picture(scene: Scene) -> Figure:
     if forces:
         caption += f". Red: the contact force on the mechanism ({'; '.join(forces)})"
     alt = f"Drawing of the mechanism with {len(scene.lines)} chains of links touching {len(scene.walls + scene.rounds)} surfaces"
-    return Figure(mechanism_picture(scene), f"{caption}.", alt, 0.82)
+    return Figure(mechanism_picture(scene), prose(f"{caption}."), alt, 0.82)

@@ -10,7 +10,7 @@ from firmtouch.design import Design
 from firmtouch.mechanics.symbolic import SymbolicPlant
 from firmtouch.report.document import Block, Code, Equation, Line, Math, Paragraph, Section, Table
 from firmtouch.report.mathematics import formula, symbol, tidy
-from firmtouch.report.numbers import number
+from firmtouch.report.numbers import number, unit
 
 
 def section(design: Design) -> Section:
@@ -38,9 +38,9 @@ def section(design: Design) -> Section:
 
 def _coordinates(design: Design) -> Table:
     spec = design.model.spec
-    rows = [((Math(symbol(name)),), (each.unit,), (each.label or "",)) for name, each in spec.coordinates.items()]
+    rows = [((Math(symbol(name)),), (unit(each.unit),), (each.label or "",)) for name, each in spec.coordinates.items()]
     rows += [
-        ((Math(f"phi_({_text(name)})"),), (each.unit,), (each.label or "", " " if each.label else "", Code(each.expression.text)))
+        ((Math(f"phi_({_text(name)})"),), (unit(each.unit),), (each.label or "", " " if each.label else "", Code(each.expression.text)))
         for name, each in spec.constraints.items()
     ]
     return Table((("symbol",), ("unit",), ("coordinates and constraints",)), tuple(rows))
@@ -51,7 +51,7 @@ def _parameters(design: Design) -> Table:
     for name, each in design.model.spec.parameters.items():
         interval = "" if each.interval is None else " to ".join(number(end.value) for end in each.interval)
         rows.append(
-            ((Math(symbol(name)),), (number(each.value.value),), (each.unit,), (interval,), (each.label or "",))
+            ((Math(symbol(name)),), (number(each.value.value),), (unit(each.unit),), (interval,), (each.label or "",))
         )
     headings: tuple[Line, ...] = (("parameter",), ("value",), ("unit",), ("interval",), ("",))
     return Table(headings, tuple(rows), frozenset({1}))

@@ -30,7 +30,7 @@ def section(design: Design) -> Section:
                 as_matrix("N_0", op.N0),
             )
         ),
-        Equation("N_0 = P_(q q) - sum_j lambda_(d j) phi_j''"),
+        Equation("N_0 = P_(q q) - sum_j lambda_(d j) phi''_j"),
         Paragraph(
             (
                 Math("N_0"),
@@ -52,7 +52,7 @@ def as_matrix(name: str, values: Array, unit: str = "") -> Matrix:
 def hessian_names(design: Design) -> list[str]:
     """Name the constraint Hessians."""
     names = list(design.model.spec.constraints)
-    return ["phi''"] if len(names) == 1 else [f"phi_{j + 1}''" for j in range(len(names))]
+    return ["phi''"] if len(names) == 1 else [f"phi''_{j + 1}" for j in range(len(names))]
 
 
 def _configuration(design: Design) -> Table:

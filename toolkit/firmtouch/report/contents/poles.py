@@ -22,7 +22,7 @@ def section(design: Design) -> Section:
             _table(design),
             Figure(
                 s_plane(design.achieved, design.requested),
-                "Poles of the closed loop: requested (rings) and achieved (crosses).",
+                ("Poles of the closed loop: requested (rings) and achieved (crosses).",),
                 f"Complex plane with {len(design.achieved)} poles, all to the left of the imaginary axis",
                 0.66,
             ),

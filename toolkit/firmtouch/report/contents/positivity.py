@@ -6,7 +6,7 @@ from firmtouch.design import Design
 from firmtouch.regulation.closed_loop import Positivity
 from firmtouch.report.document import Equation, Figure, Line, Math, Paragraph, Section, Table
 from firmtouch.report.figures import eigenvalue_chart
-from firmtouch.report.numbers import number, vector
+from firmtouch.report.numbers import number
 
 
 def section(design: Design) -> Section:
@@ -16,7 +16,7 @@ def section(design: Design) -> Section:
     return Section(
         "Positivity",
         (
-            Equation("K = W + P_(q q)(q_d) - sum_j lambda_(d j) phi_j''(q_d) > 0, quad C > 0, quad W > 0", "(14)"),
+            Equation("K = W + P_(q q)(q_d) - sum_j lambda_(d j) phi''_j (q_d) > 0, quad C > 0, quad W > 0", "(14)"),
             Paragraph(
                 (
                     "These conditions (Theorem 1, Corollary 2) make the closed loop locally asymptotically stable. What is "
@@ -37,7 +37,7 @@ def section(design: Design) -> Section:
             ),
             Figure(
                 eigenvalue_chart(loop.full, loop.tangent),
-                "Eigenvalues of K, C and W: of the full matrices (dots) and of their tangent blocks (squares).",
+                ("Eigenvalues of K, C and W: of the full matrices (dots) and of their tangent blocks (squares).",),
                 "Logarithmic chart of the eigenvalues of K, C and W on the full and the tangent level",
                 0.78,
             ),
@@ -49,6 +49,6 @@ def section(design: Design) -> Section:
 def _rows(level: str, positivity: Positivity) -> list[tuple[Line, ...]]:
     holds = "yes" if positivity.holds else "no"
     return [
-        ((level if name == "K" else "",), (holds if name == "K" else "",), (Math(name),), (vector(values, 4),))
+        ((level if name == "K" else "",), (holds if name == "K" else "",), (Math(name),), (", ".join(number(float(each)) for each in values),))
         for name, values in (("K", positivity.K), ("C", positivity.C), ("W", positivity.W))
     ]

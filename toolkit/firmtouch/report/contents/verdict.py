@@ -15,7 +15,7 @@ def verdict(design: Design) -> str:
     return (
         f"Designed: the gains put {_poles(design)}, {matrices}, and all {len(design.checks.results)} model checks hold; "
         f"after any small disturbance the mechanism returns to q_d and its constraint force"
-        f"{'s' if spec.m > 1 else ''} to λ_d{settling(design)}."
+        f"{'s' if spec.m > 1 else ''} to lambda_d{settling(design)}."
     )
 
 
@@ -31,6 +31,14 @@ def _poles(design: Design) -> str:
     if len(upper) > 4:
         low, high = (number(f(abs(pole) for pole in design.requested), 3) for f in (min, max))
         return f"all {len(design.requested)} poles where they were asked for, {low} to {high} rad/s from the origin"
-    names = [complex_number(pole).replace(" + ", " ± ") for pole in upper]
-    listed = names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
-    return f"the poles at {listed} 1/s"
+    listed = [_name(pole, upper.count(pole)) for pole in dict.fromkeys(upper)]
+    return f"the pole{'s' if len(design.requested) > 1 else ''} at {_enumerated(listed)} 1/s"
+
+
+def _name(pole: complex, count: int) -> str:
+    times = {1: "", 2: " (twice)"}.get(count, f" ({count} times)")
+    return complex_number(pole).replace(" + ", " ± ") + times
+
+
+def _enumerated(words: list[str]) -> str:
+    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}"

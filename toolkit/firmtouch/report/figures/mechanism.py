@@ -8,6 +8,7 @@ from typing import Any, Final
 import numpy as np
 
 from firmtouch.mechanics import Array, Scene
+from firmtouch.mechanics.arrays import frozen
 from firmtouch.mechanics.scene import ContactForce
 from firmtouch.report.figures.canvas import (
     ARM,
@@ -24,6 +25,8 @@ from firmtouch.report.figures.canvas import (
 from firmtouch.report.numbers import number
 
 NOTHING: Final = 1e-9
+SURFACE_PART: Final = 0.4
+"""How far the picture follows a round surface beyond the mechanism, as a part of its size."""
 ARROW: Final = 0.2
 """Length of the longest force arrow, as a part of the picture."""
 
@@ -48,6 +51,10 @@ def _extent(scene: Scene) -> tuple[Array, Array]:
     """Find the box of what must be seen: the mechanism, its ghosts and its contacts, not all of a large sphere."""
     points = np.vstack([*scene.lines, *(line for ghost in scene.ghosts for line in ghost), *_contacts(scene)])
     low, high = points.min(axis=0), points.max(axis=0)
+    reach = SURFACE_PART * float(np.max(high - low))
+    for each in scene.rounds:
+        low = np.maximum(np.minimum(low, each.centre - each.radius), low - reach)
+        high = np.minimum(np.maximum(high, each.centre + each.radius), high + reach)
     margin = 0.12 * float(np.max(high - low)) or 0.1
     return low - margin, high + margin
 
@@ -81,6 +88,8 @@ def _in_plane(scene: Scene) -> str:
         _draw_masses(axes, scene.masses)
     for force in shown_forces(scene):
         _draw_force(axes, force, ARROW * span)
+        if force.reaction_at is not None:
+            _draw_arrow(axes, force.reaction_at, -force.force, ARROW * span)
     axes.set_xlabel("x, m")
     axes.set_ylabel("y, m")
     return as_svg(figure, "scene")
@@ -127,11 +136,7 @@ def _draw_surfaces(axes: Any, scene: Scene, span: float) -> None:  # noqa: ANN40
 def _draw_force(axes: Any, force: ContactForce, length: float) -> None:  # noqa: ANN401  # matplotlib
     """Draw the arrow with its head at the contact: the surface pushes the mechanism."""
     direction = force.force / np.linalg.norm(force.force)
-    tail = force.point - length * direction
-    axes.annotate(
-        "", xy=tuple(force.point), xytext=tuple(tail), zorder=9,
-        arrowprops={"arrowstyle": "-|>,head_width=0.45,head_length=0.9", "color": FORCE, "linewidth": 2.6, "shrinkB": 3},
-    )  # fmt: skip
+    tail = _draw_arrow(axes, force.point, force.force, length)
     side = np.array([-direction[1], direction[0]])
     side = side if side[1] >= 0 else -side
     at = tail + 0.22 * length * direction + 0.3 * length * side
@@ -139,6 +144,15 @@ def _draw_force(axes: Any, force: ContactForce, length: float) -> None:  # noqa:
         force_label(force), tuple(at), color=FORCE, ha="center", va="center", fontsize=10, fontweight="bold", zorder=10,
         bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.5, "alpha": 0.85},
     )  # fmt: skip
+
+
+def _draw_arrow(axes: Any, head: Array, force: Array, length: float) -> Array:  # noqa: ANN401  # matplotlib
+    tail = head - length * force / np.linalg.norm(force)
+    axes.annotate(
+        "", xy=tuple(head), xytext=tuple(tail), zorder=9,
+        arrowprops={"arrowstyle": "-|>,head_width=0.45,head_length=0.9", "color": FORCE, "linewidth": 2.6, "shrinkB": 3},
+    )  # fmt: skip
+    return frozen(tail)
 
 
 def _in_space(scene: Scene) -> str:

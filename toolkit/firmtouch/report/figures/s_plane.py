@@ -40,14 +40,14 @@ def s_plane(achieved: Sequence[complex], requested: Sequence[complex]) -> str:
 
 def _draw_net(axes, reach: float, height: float) -> None:  # type: ignore[no-untyped-def]  # noqa: ANN001  # matplotlib
     """Draw rays of equal damping ratio and arcs of equal |s|."""
-    for damping in (0.2, 0.4, 0.6, 0.8):
+    for damping in (0.3, 0.5, 0.7, 0.9):
         slope = np.sqrt(1 - damping**2) / damping
         x = np.array([0, -2 * reach])
         for sign in (-1, 1):
             axes.plot(x, sign * slope * x, color=FAINT, linewidth=0.8, zorder=0)
-        end = min(reach * 0.97, height * 0.93 / slope)
+        label = 0.92 * min(reach, height)
         axes.annotate(
-            f"ζ = {damping:g}", (-end, end * slope), fontsize=7, color=MUTED, ha="center", va="center",
+            f"ζ = {damping:g}", (-label * damping, label * np.sqrt(1 - damping**2)), fontsize=7, color=MUTED, ha="center", va="center",
             bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6, "alpha": 0.9},
         )  # fmt: skip
     angle = np.linspace(np.pi / 2, 3 * np.pi / 2, 181)

@@ -1,0 +1,36 @@
+"""Plain sentences -> lines in which the paper's symbols are set as such."""
+
+from __future__ import annotations
+
+import re
+from typing import Final
+
+from firmtouch.report.document import Line, Math, Span
+
+_SYMBOLS: Final = {
+    "q_d": "q_d",
+    "lambda_d": "lambda_d",
+    "f_d": "f_d",
+    "G_f": "G_f",
+    "M22 s^2 + N0_22": "M_22 s^2 + N_(0,22)",
+    "Phi_j''": "Phi''_j",
+    "P_qq": "P_(q q)",
+    "P_q": "P_q",
+    "J^T": "J^T",
+    "s^2/2 q'^T M q'": "s^2 slash 2 dot(q)^T M dot(q)",
+    "K(q, s q')": "K(q, s dot(q))",
+    "R^T R = I": "R^T R = I",
+    "det R = 1": "det R = 1",
+}
+_PATTERN: Final = re.compile("|".join(re.escape(each) for each in sorted(_SYMBOLS, key=len, reverse=True)))
+
+
+def prose(text: str) -> Line:
+    """Set the symbols of a sentence."""
+    spans: list[Span] = []
+    at = 0
+    for match in _PATTERN.finditer(text):
+        spans += [text[at : match.start()], Math(_SYMBOLS[match.group()])]
+        at = match.end()
+    spans.append(text[at:])
+    return tuple(each for each in spans if each != "")

@@ -4,7 +4,7 @@ MODEL  ?= models/planar_2r_wall.yaml
 BIN    := .venv/bin
 SOURCE := $(shell find toolkit -name '*.py')
 
-.PHONY: design test test-all lint benchmark lock clean
+.PHONY: design test test-slow lint benchmark lock clean
 
 design: .venv/package
 	$(BIN)/firmtouch design $(MODEL)
@@ -12,8 +12,8 @@ design: .venv/package
 test: .venv/test
 	$(BIN)/python -m pytest -n auto -m "not slow"
 
-test-all: .venv/test
-	$(BIN)/python -m pytest -n auto
+test-slow: .venv/test
+	$(BIN)/python -m pytest -n auto -m slow
 
 lint: .venv/test
 	$(BIN)/ruff check .
@@ -25,9 +25,9 @@ benchmark: .venv/test
 	$(BIN)/python -m tests.benchmarks
 
 # The three stamps: the environment, the package compiled in it, and the test extras.
-.venv/core: locks/core.txt
+.venv/core: requirements.lock
 	$(PYTHON) -m venv .venv
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r locks/core.txt
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
 	touch $@
 
 .venv/package: .venv/core pyproject.toml $(SOURCE)
@@ -36,17 +36,16 @@ benchmark: .venv/test
 	$(BIN)/python -m compileall -q toolkit
 	touch $@
 
-.venv/test: .venv/package locks/test.txt
-	test $@ -nt locks/test.txt || \
-	    $(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r locks/test.txt
+.venv/test: .venv/package requirements-test.lock
+	test $@ -nt requirements-test.lock || \
+	    $(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-test.lock
 	touch $@
 
 # The locks hold names, versions and hashes, and no address. `pip install uv` first.
+LOCK := uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-header --no-annotate --group build
 lock:
-	uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-header --no-annotate \
-	    pyproject.toml locks/build.in --output-file locks/core.txt
-	uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-header --no-annotate \
-	    --extra test --constraint locks/core.txt pyproject.toml locks/build.in --output-file locks/test.txt
+	$(LOCK) pyproject.toml --output-file requirements.lock
+	$(LOCK) --extra test --constraint requirements.lock pyproject.toml --output-file requirements-test.lock
 
 clean:
 	rm -rf .venv build dist .mypy_cache .pytest_cache .ruff_cache .hypothesis

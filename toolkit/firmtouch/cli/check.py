@@ -21,14 +21,11 @@ SCHEMA = "firmtouch.check/1"
 
 def run(arguments: argparse.Namespace) -> int:
     """Check every model; one that cannot be read stops no other."""
-    from firmtouch.checks import check_model
-    from firmtouch.modelfile import read_model
-
     code, told = GOOD, []
     for path in arguments.models:
         try:
             with working(f"checking {path}"):
-                report, _ = check_model(read_model(path))
+                report = _check(path)
         except InputError as error:
             talk_console().print(str(error), markup=False, highlight=False, soft_wrap=True)
             told.append({"model": str(path), "error": str(error)})
@@ -42,6 +39,16 @@ def run(arguments: argparse.Namespace) -> int:
         json.dump({"schema": SCHEMA, "models": told}, sys.stdout, indent=2)
         sys.stdout.write("\n")
     return code
+
+
+def _check(path: Path) -> CheckReport:
+    """Read first: a file with mistakes does not wait for the numeric libraries."""
+    from firmtouch.modelfile import read_model
+
+    model = read_model(path)
+    from firmtouch.checks import check_model
+
+    return check_model(model)[0]
 
 
 def _print(report: CheckReport, path: Path) -> None:

@@ -7,7 +7,7 @@ no second message elsewhere.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from firmtouch.modelfile.expression import ExpressionError, Kind, kind_of, parse
@@ -30,13 +30,17 @@ class Extent:
 
 @dataclass(frozen=True, slots=True)
 class Declarations:
-    """Names and their kinds, as a first reading of the file found them."""
+    """Names and their kinds, as a first reading of the file found them.
+
+    `hidden` are names that exist and cannot be used where these declarations are, each with the reason.
+    """
 
     parameters: Mapping[str, Kind] = field(default_factory=dict)
     coordinates: Mapping[str, Kind] = field(default_factory=dict)
     definitions: Mapping[str, Kind] = field(default_factory=dict)
     extents: Mapping[str, Extent] = field(default_factory=dict)
     constraints: Mapping[str, Kind] = field(default_factory=dict)
+    hidden: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def names(self) -> dict[str, Kind]:
@@ -50,12 +54,16 @@ class Declarations:
 
     def above(self, definition: str) -> Declarations:
         """Give what is declared before a definition: definitions use what stands above them."""
-        before: dict[str, Kind] = {}
-        for name, kind in self.definitions.items():
-            if name == definition:
-                break
-            before[name] = kind
-        return Declarations(self.parameters, self.coordinates, before, self.extents, self.constraints)
+        names = list(self.definitions)
+        at = names.index(definition)
+        before = {name: self.definitions[name] for name in names[:at]}
+        below = dict.fromkeys(names[at:], "a definition uses those above it, and this one is not")
+        return replace(self, definitions=before, hidden=below)
+
+    def constant(self) -> Declarations:
+        """Give what constants are made of: parameters alone."""
+        varying = dict.fromkeys((*self.coordinates, *self.definitions), "this is a constant, made of parameters alone")
+        return Declarations(self.parameters, hidden=varying)
 
     @property
     def joint_forces(self) -> dict[str, Kind]:
@@ -69,7 +77,7 @@ class Declarations:
 
     def check(self, tree: Node, *, velocities: bool = False) -> Kind:
         """Find an expression's kind, and refuse one that grows beyond bounds when its definitions are written out."""
-        kind = kind_of(tree, names=self.names, rates=self.rates if velocities else {})
+        kind = kind_of(tree, names=self.names, rates=self.rates if velocities else {}, hidden=self.hidden)
         extent = self.extent(tree)
         if extent.nodes > LARGEST_EXPANSION or extent.depth > DEEPEST_EXPANSION:
             message = (
@@ -98,8 +106,8 @@ def declarations(data: Mapping[str, Any]) -> Declarations:
         known = Declarations(parameters, coordinates, dict(definitions), dict(extents), constraints)
         try:
             tree = parse_entry(value)
-            extents[name] = known.extent(tree)
             definitions[name] = known.check(tree)
+            extents[name] = known.extent(tree)
         except ExpressionError:
             definitions[name] = UNKNOWN
     return Declarations(parameters, coordinates, definitions, extents, constraints)

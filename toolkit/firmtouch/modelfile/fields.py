@@ -18,8 +18,8 @@ from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from firmtouch.modelfile.declarations import Declarations, parse_entry
 from firmtouch.modelfile.expression import CONSTANTS, FUNCTIONS, ExpressionError, Kind, Node, Problem, names_in
-from firmtouch.modelfile.expression.problem import did_you_mean, shown
 from firmtouch.modelfile.units import DIMENSIONLESS, Dimension, UnitError, parse_unit, split_quantity
+from firmtouch.modelfile.words import shown
 
 NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,31}")
 RESERVED: Final = frozenset({*FUNCTIONS, *CONSTANTS, "dot"} - {"x", "y", "z"})
@@ -234,7 +234,7 @@ def expression_in(
     """
 
     def read(raw: object, info: ValidationInfo) -> Expression:
-        known = Declarations(declared(info).parameters) if constant else declared(info)
+        known = declared(info).constant() if constant else declared(info)
         return read_expression(raw, known, unit=unit, sizes=sizes, velocities=velocities)
 
     vectors = {"type": "array", "items": EXPRESSION_SCHEMA, "minItems": 2, "maxItems": 3}
@@ -267,23 +267,28 @@ def read_expression(
     return Expression(" ".join(text.split()), tree, kind)
 
 
+def listed(words: Iterable[str], most: int = 12) -> str:
+    """Join words with commas, and count those that are too many to name."""
+    words = list(words)
+    more = f" and {len(words) - most} more" if len(words) > most else ""
+    return ", ".join(words[:most]) + more
+
+
 def _sized(size: int) -> str:
     return f"a vector of {size}" if size else "a scalar"
 
 
 def check_keys(given: Iterable[str], choices: Iterable[str], what: str, *, complete: bool) -> None:
     """Refuse keys that are not among the choices, and, if it shall be complete, choices that are missing."""
-    given, choices = list(given), list(choices)
+    given, choices = tuple(given), tuple(choices)
     problems = [
-        Problem(
-            f"{shown(each)} is no {what}; there are: {', '.join(choices)}{did_you_mean(each, choices)}", path=(each,)
-        )
+        Problem(f"{shown(each)} is no {what}; there are: {listed(choices)}", path=(each,), near=(each, choices))
         for each in given
         if each not in choices
     ]
     missing = [each for each in choices if each not in given] if complete else []
     if missing:
-        problems.append(Problem(f"no entry for the {what} {', '.join(f'`{each}`' for each in missing)}"))
+        problems.append(Problem(f"no entry for the {what} {listed(f'`{each}`' for each in missing)}"))
     if problems:
         refuse(*problems)
 
@@ -314,7 +319,7 @@ def read_pole(raw: object) -> complex:
             value = complex(compact) if _COMPLEX.match(compact) else complex("?")
         except ValueError:
             refuse(Problem(f"{shown(str(raw))} is no pole; write `-4` or `-4+3j`, in 1/s"))
-    if not (math.isfinite(value.real) and math.isfinite(value.imag)) or abs(value) > FASTEST:
+    if not math.hypot(value.real, value.imag) <= FASTEST:
         refuse(Problem(f"{shown(str(raw))} is no pole of a usable size (at most {FASTEST:g} 1/s)"))
     if value.real >= 0:
         refuse(Problem(f"the pole {shown(str(raw))} is not stable; its real part must be negative"))

@@ -6,17 +6,22 @@ import hashlib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from firmtouch.errors import Diagnostic, InputError, ModelFileError
 from firmtouch.modelfile.declarations import declarations
-from firmtouch.modelfile.expression.problem import did_you_mean, shown
-from firmtouch.modelfile.fields import problems_of
+from firmtouch.modelfile.expression import Problem
+from firmtouch.modelfile.fields import listed, problems_of
 from firmtouch.modelfile.specification import ModelSpec
+from firmtouch.modelfile.words import shown
 from firmtouch.modelfile.yamltext import LARGEST, Document, read_yaml
+
+MOST_MISTAKES: Final = 100
+KEY_MARK: Final = "[key]"
+"""What pydantic ends a location with where it means the key."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,57 +55,90 @@ def read_model(path: Path | str) -> ModelFile:
 def parse_model(content: bytes, *, name: str, file: str | None = None) -> ModelFile:
     """Check the bytes of a model file; `file` is its name in messages."""
     document = read_yaml(content, file or name)
-    mistakes = list(document.mistakes)
     try:
         spec = ModelSpec.model_validate(document.data, context=declarations(document.data))
     except ValidationError as error:
-        for details in error.errors(include_url=False):
-            mistakes.extend(_located(details, document))
-    if mistakes:
-        raise ModelFileError(tuple(mistakes))
+        raise ModelFileError(_diagnostics(error, document)) from None
+    if document.mistakes:
+        raise ModelFileError(document.mistakes)
     return ModelFile(name, hashlib.sha256(content).hexdigest(), spec)
 
 
-def _located(details: ErrorDetails, document: Document) -> Iterator[Diagnostic]:
-    location, at_key = _location(details), details["loc"][-1:] == ("[key]",)
+def _diagnostics(error: ValidationError, document: Document) -> tuple[Diagnostic, ...]:
+    """Locate all mistakes, those of YAML too, and word the first hundred.
+
+    A value that YAML's reading refused already was replaced by something, which deserves no second message.
+    """
+    refused = {(each.line, each.column): Problem(each.message) for each in document.mistakes}
+    located = [(*place, problem) for place, problem in refused.items()]
+    located += [
+        (line, column, problem)
+        for details in error.errors(include_url=False)
+        for line, column, problem in _located(details, document)
+        if (line, column) not in refused
+    ]
+    located.sort(key=lambda each: each[:2])
+    if len(located) > MOST_MISTAKES:
+        line, column, _ = located[MOST_MISTAKES]
+        rest = Problem(f"and {len(located) - MOST_MISTAKES} more mistakes from here on")
+        located = [*located[:MOST_MISTAKES], (line, column, rest)]
+    return tuple(Diagnostic(document.name, line, column, each.in_words()) for line, column, each in located)
+
+
+def _located(details: ErrorDetails, document: Document) -> Iterator[tuple[int, int, Problem]]:
     problems = problems_of(details.get("ctx"))
-    for problem in problems:
-        yield document.diagnostic((*location, *problem.path), problem.message, offset=problem.offset, key=at_key)
+    at_key = bool(problems) and details["loc"][-1:] == (KEY_MARK,)
+    location = _location(details["loc"][:-1] if at_key else details["loc"])
     if not problems:
-        message, path, at_key = _own_words(details, location)
-        yield document.diagnostic(path, message, key=at_key)
+        problem, at_key = _own_words(details, location)
+        yield *document.place(problem.path, key=at_key), problem
+    for problem in problems:
+        yield *document.place((*location, *problem.path), offset=problem.offset, key=at_key), problem
 
 
-def _location(details: ErrorDetails) -> tuple[str | int, ...]:
-    """Drop from pydantic's location what the file does not hold: its mark of a key, and the tag of the mechanism."""
-    location = tuple(each for each in details["loc"] if each != "[key]")
+def _location(location: tuple[str | int, ...]) -> tuple[str | int, ...]:
+    """Drop from pydantic's location what the file does not hold: the tag of the mechanism."""
     return ("mechanism", *location[2:]) if location[:1] == ("mechanism",) else location
 
 
-def _own_words(details: ErrorDetails, path: tuple[str | int, ...]) -> tuple[str, tuple[str | int, ...], bool]:
-    """Say what pydantic found, where to point, and whether to point at the key."""
-    context: dict[str, Any] = details.get("ctx", {})
+def _own_words(details: ErrorDetails, path: tuple[str | int, ...]) -> tuple[Problem, bool]:
+    """Say what pydantic found and where, and whether to point at the key.
+
+    These are all the types of error that the specification's classes can give; their fields word their own.
+    """
     match details["type"]:
-        case "missing":
-            return f"`{path[-1]}` is missing here", path[:-1], True
+        case "missing" if isinstance(path[-1], str):
+            return Problem(f"`{path[-1]}` is missing here", path=path[:-1]), True
         case "extra_forbidden":
             key, choices = str(path[-1]), _fields_at(path[:-1])
-            return f"unknown key {shown(key)}; there are: {', '.join(choices)}{did_you_mean(key, choices)}", path, True
-        case "model_type" | "dict_type" | "model_attributes_type":
-            return f"a mapping `name: value` was expected, not {_sort(details['input'])}", path, False
-        case "tuple_type" | "list_type":
-            return f"a list was expected, not {_sort(details['input'])}", path, False
+            message = f"unknown key {shown(key)}; there are: {listed(choices, len(choices))}"
+            return Problem(message, path=path, near=(key, choices)), True
+        case "model_type" | "dict_type":
+            return Problem(f"a mapping `name: value` was expected, not {_sort(details['input'])}", path=path), False
         case "literal_error":
-            wanted = str(context["expected"]).replace("'", "`")
-            choices = [each.strip("`") for each in wanted.replace(" or ", ", ").split(", ")]
-            given = str(details["input"])
-            return f"{shown(given)} is not possible here; expected {wanted}{did_you_mean(given, choices)}", path, False
-        case "too_short" | "too_long":
-            bound = context.get("min_length", context.get("max_length"))
-            least = "at least" if details["type"] == "too_short" else "at most"
-            return f"{context.get('actual_length')} entries where {least} {bound} are needed", path, False
+            return _no_choice(details, path), False
+        case "too_short" | "too_long" if isinstance(details["input"], dict):
+            return Problem(_count(details), path=path), False
+        case "tuple_type" | "too_short" | "too_long" | "missing":
+            path = path[:-1] if details["type"] == "missing" else path
+            return Problem("two quantities were expected, as in `[3.5 kg, 5.0 kg]`", path=path), False
         case _:
-            return details["msg"], path, False
+            return Problem(details["msg"], path=path), False
+
+
+def _no_choice(details: ErrorDetails, path: tuple[str | int, ...]) -> Problem:
+    wanted = str(details["ctx"]["expected"]).replace("'", "`")
+    choices = tuple(wanted.replace("`", "").replace(" or ", ", ").split(", "))
+    given = details["input"] if isinstance(details["input"], str) else ""
+    message = f"{_sort(details['input'])} is not possible here; expected {wanted}"
+    return Problem(message, path=path, near=(given, choices))
+
+
+def _count(details: ErrorDetails) -> str:
+    given, context = details["ctx"]["actual_length"], details["ctx"]
+    if "min_length" in context:
+        return f"{given or 'no'} entries where at least {context['min_length']} is needed"
+    return f"{given} entries where at most {context['max_length']} are read"
 
 
 def _sort(value: object) -> str:
@@ -115,7 +153,7 @@ def _sort(value: object) -> str:
             return shown(str(value))
 
 
-def _fields_at(location: tuple[str | int, ...]) -> list[str]:
+def _fields_at(location: tuple[str | int, ...]) -> tuple[str, ...]:
     """Find the keys that exist at a place of the specification, by walking the classes."""
     from typing import get_args
 
@@ -130,4 +168,4 @@ def _fields_at(location: tuple[str | int, ...]) -> list[str]:
     for each in location:
         fields = [field for cls in here for name, field in cls.model_fields.items() if each in (name, field.alias)]
         here = [cls for field in fields for cls in classes(field.annotation)] or here
-    return list(dict.fromkeys(field.alias or name for cls in here for name, field in cls.model_fields.items()))
+    return tuple(dict.fromkeys(field.alias or name for cls in here for name, field in cls.model_fields.items()))

@@ -13,21 +13,28 @@ from fractions import Fraction
 from functools import cache
 from typing import TYPE_CHECKING, Final
 
+from firmtouch.modelfile.words import did_you_mean, shown
+
 if TYPE_CHECKING:
     import pint
 
 BASE: Final = ("kg", "m", "s", "A", "K", "mol", "cd")
 _PINT_NAMES: Final = ("[mass]", "[length]", "[time]", "[current]", "[temperature]", "[substance]", "[luminosity]")
-_FACTOR: Final = re.compile(r"\s*(?P<sign>[*/· ]?)\s*(?P<name>[A-Za-z_µμΩ°%]+|1)(?:(?:\^|\*\*)?(?P<power>-?[0-9]))?\s*")
+_FACTOR: Final = re.compile(
+    r"(?:\s*(?P<sign>[*/·])\s*|\s+|^)(?P<name>[A-Za-z_µμΩ°%]+|1)(?:(?:\^|\*\*)?(?P<power>-?[0-9]+))?"
+)
 _NUMBER: Final = re.compile(r"\s*[-+]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
 LONGEST_UNIT: Final = 60
+HIGHEST_POWER: Final = 12
+Exponent = Fraction | int
+"""Whole exponents are kept as `int`: dimensions are multiplied for every product of every expression."""
 
 
 @dataclass(frozen=True, slots=True)
 class Dimension:
     """Exponents of the seven SI base units."""
 
-    exponents: tuple[Fraction, ...] = (Fraction(0),) * len(BASE)
+    exponents: tuple[Exponent, ...] = (0,) * len(BASE)
 
     def __mul__(self, other: Dimension) -> Dimension:
         """Give the dimension of a product."""
@@ -35,11 +42,11 @@ class Dimension:
 
     def __truediv__(self, other: Dimension) -> Dimension:
         """Give the dimension of a quotient."""
-        return self * other ** Fraction(-1)
+        return Dimension(tuple(a - b for a, b in zip(self.exponents, other.exponents, strict=True)))
 
-    def __pow__(self, exponent: Fraction) -> Dimension:
+    def __pow__(self, exponent: Exponent) -> Dimension:
         """Give the dimension of a power."""
-        return Dimension(tuple(exponent * each for each in self.exponents))
+        return Dimension(tuple(_whole_if_possible(exponent * each) for each in self.exponents))
 
     def __str__(self) -> str:
         """Write it in SI base units, or by the name of the usual derived unit."""
@@ -66,8 +73,12 @@ class UnitError(ValueError):
         super().__init__(message)
 
 
+def _whole_if_possible(exponent: Exponent) -> Exponent:
+    return exponent.numerator if exponent.denominator == 1 else exponent
+
+
 def _base(**exponents: int) -> Dimension:
-    return Dimension(tuple(Fraction(exponents.get(each, 0)) for each in BASE))
+    return Dimension(tuple(exponents.get(each, 0) for each in BASE))
 
 
 DIMENSIONLESS: Final = Dimension()
@@ -85,18 +96,28 @@ def parse_unit(text: str) -> Unit:
     """
     if len(text) > LONGEST_UNIT:
         raise UnitError(f"a unit of {len(text)} characters; at most {LONGEST_UNIT} are read")
+    written = text.rstrip()
     factor, dimension, at = 1.0, DIMENSIONLESS, 0
-    while at < len(text):
-        match = _FACTOR.match(text, at)
+    while at < len(written):
+        match = _FACTOR.match(written, at)
         if match is None:
-            raise UnitError(f"`{text[at:]}` is no unit; write for example `kg*m^2` or `N/m`", at)
+            raise UnitError(f"{shown(written[at:].strip())} is no unit; write for example `kg*m^2` or `N/m`", at)
         power = int(match["power"] or 1) * (-1 if match["sign"] == "/" else 1)
+        if abs(power) > HIGHEST_POWER:
+            raise UnitError(f"a power of {power}; at most {HIGHEST_POWER} is read", match.start("power"))
         scale, base = _unit(match["name"], match.start("name"))
-        factor, dimension = factor * scale**power, dimension * base ** Fraction(power)
+        factor, dimension = factor * _power(scale, power), dimension * base**power
         at = match.end()
     if not (math.isfinite(factor) and factor > 0):
-        raise UnitError(f"`{text}` has no finite factor to SI")
-    return Unit(text.strip(), factor, dimension)
+        raise UnitError(f"{shown(text)} has no finite factor to SI")
+    return Unit(written.strip(), factor, dimension)
+
+
+def _power(scale: float, power: int) -> float:
+    try:
+        return scale**power
+    except OverflowError:
+        return math.inf
 
 
 def split_quantity(text: str) -> tuple[float, str, int] | None:
@@ -124,21 +145,24 @@ def _unit(name: str, at: int) -> tuple[float, Dimension]:
         quantity = _registry().Quantity(1.0, name).to_base_units()
         zero = _registry().Quantity(0.0, name).to_base_units()
     except pint.UndefinedUnitError:
-        raise UnitError(f"`{name}` is no unit{_near(name)}", at) from None
+        raise UnitError(f"{shown(name)} is no unit{_near(name)}", at) from None
     except (pint.PintError, AttributeError, TypeError, ValueError) as error:
         raise UnitError(f"`{name}` cannot be used as a unit ({error})", at) from None
     if zero.magnitude != 0:
         raise UnitError(f"`{name}` is no multiple of an SI unit", at)
     exponents = dict(quantity.dimensionality)
-    found = tuple(Fraction(str(exponents.pop(each, 0))).limit_denominator(9) for each in _PINT_NAMES)
+    found = tuple(_exponent(exponents.pop(each, 0)) for each in _PINT_NAMES)
     if exponents:
         raise UnitError(f"`{name}` is no unit of mechanics or heat", at)
     return float(quantity.magnitude), Dimension(found)
 
 
-def _near(name: str) -> str:
-    from firmtouch.modelfile.expression.problem import did_you_mean
+def _exponent(pints: object) -> Exponent:
+    """Read pint's exponents: ints, and floats such as 0.5 for square roots of units."""
+    return _whole_if_possible(Fraction(str(pints)).limit_denominator(9))
 
+
+def _near(name: str) -> str:
     usual = ["m", "mm", "cm", "km", "kg", "g", "s", "ms", "min", "rad", "deg", "mrad", "N", "kN", "J", "W", "Hz", "Pa"]
     return did_you_mean(name, [*usual, "newton", "metre", "meter", "degree", "radian", "kilogram", "second", "joule"])
 

@@ -7,6 +7,7 @@ aliases, several documents, and nesting beyond any model are refused before anyt
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -17,10 +18,13 @@ from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 from ruamel.yaml.reader import ReaderError
 
 from firmtouch.errors import Diagnostic, ModelFileError
-from firmtouch.modelfile.expression.problem import shown
+from firmtouch.modelfile.words import shown
 
 LARGEST: Final = 200_000
 DEEPEST: Final = 16
+_LINE_BREAK: Final = re.compile(r"\r\n?|\n")
+MOST_ENTRIES: Final = 5000
+"""Ten times what the largest mechanism needs; each entry costs ruamel about 0.1 ms."""
 Path = tuple[str | int, ...]
 
 
@@ -35,10 +39,10 @@ class Document:
     keys: dict[Path, Node]
     mistakes: tuple[Diagnostic, ...]
 
-    def diagnostic(self, path: Path, message: str, *, offset: int = 0, key: bool = False) -> Diagnostic:
-        """Locate a message: `offset` characters into the value at `path`, or at its key.
+    def place(self, path: Path, *, offset: int = 0, key: bool = False) -> tuple[int, int]:
+        """Give the line and column `offset` characters into the value at `path`, or those of its key.
 
-        A path that leads further down than the file does is reported at the deepest part that exists.
+        A path that leads further down than the file does gives the deepest part that exists.
         """
         while path and path not in self.values:
             path, offset = path[:-1], 0
@@ -46,8 +50,7 @@ class Document:
         node = self.keys.get(path) if key else None
         if node is None:
             node = self.values[path]
-        line, column = _position(self.text, node, offset)
-        return Diagnostic(self.name, line, column, message)
+        return _position(self.text, node, offset)
 
 
 def read_yaml(content: bytes, name: str) -> Document:
@@ -100,12 +103,15 @@ def _decoded(content: bytes, name: str) -> str:
 
 
 def _refuse_what_is_not_plain(text: str, name: str) -> None:
-    depth, documents = 0, 0
+    depth, documents, entries = 0, 0, 0
     for event in YAML(typ="safe", pure=True).parse(text):
         line, column = event.start_mark.line + 1, event.start_mark.column + 1
-        documents += isinstance(event, DocumentStartEvent)
-        if documents > 1:
-            _fail(name, line, column, "a second document; a model file holds one")
+        if isinstance(event, DocumentStartEvent):
+            documents += 1
+            if documents > 1:
+                _fail(name, line, column, "a second document; a model file holds one")
+            if event.version not in (None, (1, 2)):
+                _fail(name, line, column, "another YAML than 1.2, where words and numbers would mean something else")
         if isinstance(event, AliasEvent) or getattr(event, "anchor", None) is not None:
             _fail(name, line, column, "anchors and aliases are not read here; write the value out")
         if (
@@ -117,6 +123,9 @@ def _refuse_what_is_not_plain(text: str, name: str) -> None:
         depth += isinstance(event, CollectionStartEvent) - isinstance(event, CollectionEndEvent)
         if depth > DEEPEST:
             _fail(name, line, column, f"nested more than {DEEPEST} deep")
+        entries += isinstance(event, ScalarEvent | CollectionStartEvent)
+        if entries > MOST_ENTRIES:
+            _fail(name, line, column, f"more than {MOST_ENTRIES} keys and values")
 
 
 class _Builder:
@@ -183,17 +192,19 @@ class _Builder:
 
 
 def _line_and_column(text: str, index: int) -> tuple[int, int]:
-    before = text[:index]
-    return before.count("\n") + 1, index - (before.rfind("\n") + 1) + 1
+    starts = [each.end() for each in _LINE_BREAK.finditer(text[:index])]
+    return len(starts) + 1, index - (starts[-1] if starts else 0) + 1
 
 
 def _position(text: str, node: Node, offset: int) -> tuple[int, int]:
     """Find where the character `offset` of a scalar's value stands: folding and quoting change white space only."""
     start = node.start_mark.index
-    if offset == 0 or not isinstance(node, ScalarNode):
+    block = isinstance(node, ScalarNode) and node.style in ("|", ">")
+    if not isinstance(node, ScalarNode) or (offset == 0 and not block):
         return node.start_mark.line + 1, node.start_mark.column + 1
     value, end = str(node.value), node.end_mark.index
-    at = start
+    # The text of a block begins below its `|` or `>-`, that of a quoted scalar behind the quote.
+    at = text.find("\n", start) if block else start + (node.style is not None)
     for wanted in value[: offset + 1]:
         if wanted.isspace():
             continue

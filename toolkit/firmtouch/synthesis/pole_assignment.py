@@ -22,6 +22,8 @@ POLE_TOLERANCE: Final = 1e-6
 """Largest distance of an achieved pole, relative to the largest: double poles move by the square root of rounding."""
 MOST_REFINED: Final = 8
 """Starts of the refinement of the mode shapes; further pairings keep the plant's shapes."""
+WALL: Final = 4.0
+"""What the refinement sees, relative to its start, where W22 is not positive though it must be (||W|| grows there)."""
 
 
 class PolesMissedError(NoDesignError):
@@ -91,7 +93,12 @@ def pole_assignment_gains(op: OperatingPoint, design: DesignSpec) -> Gains:
         K22 = symmetric(L @ Q @ np.diag([each.k for each in modes]) @ Q.T @ L.T)  # Step 4
         return split.assemble(stiffness_blocks(K22, M, N0, design.normal_blocks))
 
-    modes, Q = _mode_shapes(design, natural, lambda modes, Q: float(np.linalg.norm(stiffness(modes, Q) - op.N0)))
+    def size(modes: tuple[Mode, ...], Q: Array) -> float:
+        W = stiffness(modes, Q) - op.N0
+        allowed = design.level == "tangent" or np.linalg.eigvalsh(split.V2.T @ W @ split.V2)[0] > 0
+        return float(np.linalg.norm(W)) if allowed else np.inf
+
+    modes, Q = _mode_shapes(design, natural, size)
     C22 = symmetric(L @ Q @ np.diag([each.c for each in modes]) @ Q.T @ L.T)
     return Gains(
         W=symmetric(stiffness(modes, Q) - op.N0),  # Step 6
@@ -112,18 +119,21 @@ def _mode_shapes(
     """Choose which pair of poles goes to which mode shape (the columns of Q, in mass-normalised coordinates).
 
     On the plant's own shapes, the stiffness nearest to the plant's gives its k_i in the order of the plant's values
-    (Hoffman and Wielandt). `least_gain` then turns Q until ||W||_F is least, from the best of these starts.
+    (Hoffman and Wielandt). It is also the order in which W22 > 0 if any order gives that (Weyl), so on the full level
+    pairings with all k_i above the plant's values go first. `least_gain` then turns Q until ||W||_F is least, from the
+    best of these starts.
     """
     values, vectors = natural
     starts = []
     for modes in pairings(design.poles):
         ordered = tuple(sorted(modes, key=lambda each: (each.k, each.c)))
-        distance = sum((mode.k - value) ** 2 for mode, value in zip(ordered, values, strict=True))
-        starts.append((distance, ordered))
-    starts.sort(key=lambda each: each[0])
-    if design.modes == "plant" or len(values) == 1:
-        return starts[0][1], vectors
-    refined = [_turned(modes, vectors, size) for _, modes in starts[:MOST_REFINED]]
+        excess = np.array([mode.k for mode in ordered]) - values
+        refused = design.level == "full" and bool(np.min(excess) <= 0)
+        starts.append((refused, float(excess @ excess), ordered))
+    starts.sort(key=lambda each: each[:2])
+    if design.modes == "plant" or len(values) == 1 or starts[0][0]:
+        return starts[0][2], vectors
+    refined = [_turned(modes, vectors, size) for refused, _, modes in starts[:MOST_REFINED] if not refused]
     _, modes, Q = min(refined, key=lambda each: each[0])
     return modes, Q
 
@@ -141,5 +151,7 @@ def _turned(
         return frozen(start @ scipy.linalg.expm(X - X.T))
 
     scale = size(modes, start) or 1.0
-    found = scipy.optimize.minimize(lambda x: size(modes, turn(x)) / scale, np.zeros(len(below[0])), method="BFGS")
+    found = scipy.optimize.minimize(
+        lambda x: min(size(modes, turn(x)) / scale, WALL), np.zeros(len(below[0])), method="BFGS"
+    )
     return float(found.fun) * scale, modes, turn(found.x)

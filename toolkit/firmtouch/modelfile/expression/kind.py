@@ -6,14 +6,32 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import NoReturn
+from types import MappingProxyType
+from typing import Final, NoReturn, TypeGuard
 
+from firmtouch.modelfile.expression.evaluate import evaluate
 from firmtouch.modelfile.expression.functions import CONSTANTS, SCALAR
-from firmtouch.modelfile.expression.problem import ExpressionError, Problem, did_you_mean, shown
-from firmtouch.modelfile.expression.tree import Call, Name, Node, Number, Power, Product, Rate, Sum, Vector, walk
+from firmtouch.modelfile.expression.problem import ExpressionError, Problem
+from firmtouch.modelfile.expression.tree import (
+    Call,
+    Name,
+    Node,
+    Number,
+    Power,
+    Product,
+    Rate,
+    Sum,
+    Vector,
+    children,
+    walk,
+)
 from firmtouch.modelfile.units import DIMENSIONLESS, Dimension
+from firmtouch.modelfile.words import shown
 
 LARGEST_EXPONENT = 32
+MOST_UNDECLARED = 10
+"""So many undeclared names of one expression are reported; there is no use in more."""
+NOTHING: Final[Mapping[str, str]] = MappingProxyType({})
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,51 +69,67 @@ UNKNOWN = Kind(known=False)
 LITERAL = Kind(literal=True)
 
 
-def kind_of(node: Node, *, names: Mapping[str, Kind], rates: Mapping[str, Kind]) -> Kind:
-    """Find the kind of an expression.
+def kind_of(
+    node: Node, *, names: Mapping[str, Kind], rates: Mapping[str, Kind], hidden: Mapping[str, str] = NOTHING
+) -> Kind:
+    """Find the kind of an expression; `hidden` are names that exist and cannot be used here, each with the reason.
 
     Raises
     ------
     ExpressionError
-        With every undeclared name, or else with the first place where dimensions or sizes disagree.
+        With the undeclared names, or else with the first place where dimensions or sizes disagree.
     """
     declared = {**names, **dict.fromkeys(CONSTANTS, LITERAL)}
-    missing = [_undeclared(each, declared, rates) for each in walk(node) if _is_missing(each, declared, rates)]
+    missing = {(type(each), each.name): each for each in reversed(list(walk(node))) if _missing(each, declared, rates)}
     if missing:
-        raise ExpressionError(*missing)
+        first = sorted(missing.values(), key=lambda each: each.at)[:MOST_UNDECLARED]
+        raise ExpressionError(*(_undeclared(each, declared, rates, hidden) for each in first))
     kind = _Reader(declared, rates).read(node)
-    if kind.literal:
+    if _check_constants(node):
         constant(node)
     return kind
 
 
 def constant(node: Node) -> float:
-    """Evaluate a literal, which must be finite."""
-    from firmtouch.modelfile.expression.evaluate import evaluate
-
+    """Evaluate a literal, which must be finite; of a vector, give the first entry."""
     functions = {name: getattr(math, name) for name in SCALAR}
     try:
-        value = evaluate(node, names=CONSTANTS, rates={}, number=float, functions=functions)
+        value = evaluate(node, names=CONSTANTS, rates={}, number=float, functions=functions, power=math.pow)
     except (OverflowError, ZeroDivisionError, ValueError) as error:
         raise ExpressionError(Problem(f"a constant that is no finite number ({error})", node.at)) from error
     entries = value if isinstance(value, tuple) else (value,)
-    if not all(isinstance(each, float) and math.isfinite(each) for each in entries):
-        raise ExpressionError(Problem("a constant that is no finite real number", node.at))
+    if not all(math.isfinite(each) for each in entries):
+        raise ExpressionError(Problem("a constant that is no finite number", node.at))
     return float(entries[0])
 
 
-def _is_missing(node: Node, names: Mapping[str, Kind], rates: Mapping[str, Kind]) -> bool:
+def _check_constants(node: Node) -> bool:
+    """Tell whether a tree is made of numbers alone; where it is not, hold the largest such parts to be finite."""
+    if isinstance(node, Name | Rate):
+        return isinstance(node, Name) and node.name in CONSTANTS
+    below = [(each, _check_constants(each)) for each in children(node)]
+    if all(numeric for _, numeric in below):
+        return True
+    for each, numeric in below:
+        if numeric:
+            constant(each)
+    return False
+
+
+def _missing(node: Node, names: Mapping[str, Kind], rates: Mapping[str, Kind]) -> TypeGuard[Name | Rate]:
     return (isinstance(node, Name) and node.name not in names) or (isinstance(node, Rate) and node.name not in rates)
 
 
-def _undeclared(node: Node, names: Mapping[str, Kind], rates: Mapping[str, Kind]) -> Problem:
-    assert isinstance(node, Name | Rate)
-    if isinstance(node, Rate):
-        if rates:
-            return Problem(f"{shown(node.name)} is no coordinate{did_you_mean(node.name, rates)}", node.at)
+def _undeclared(
+    node: Name | Rate, names: Mapping[str, Kind], rates: Mapping[str, Kind], hidden: Mapping[str, str]
+) -> Problem:
+    if isinstance(node, Rate) and not rates:
         return Problem("velocities are not allowed here: this expression depends on the configuration alone", node.at)
-    hint = did_you_mean(node.name, names)
-    return Problem(f"{shown(node.name)} is not declared (or only further down){hint}", node.at)
+    if isinstance(node, Rate):
+        return Problem(f"{shown(node.name)} is no coordinate", node.at, near=(node.name, tuple(rates)))
+    if node.name in hidden:
+        return Problem(f"`{node.name}` cannot be used here: {hidden[node.name]}", node.at)
+    return Problem(f"{shown(node.name)} is not declared", node.at, near=(node.name, tuple(names)))
 
 
 class _Reader:
@@ -130,7 +164,7 @@ class _Reader:
         for node, kind in zip(nodes[1:], kinds[1:], strict=True):
             if not total.agrees(kind):
                 _refuse(node, f"{kind} is {verb} to {total}")
-            if not total.known or (total.literal and not kind.literal):
+            if not kind.literal and (total.literal or not total.known):
                 total = kind
         return total
 
@@ -148,9 +182,11 @@ class _Reader:
             kind = self.read(factor)
             if kind.size and divides:
                 _refuse(factor, "a division by a vector")
+            if kind.literal and divides and constant(factor) == 0:
+                _refuse(factor, "a division by zero")
             if kind.size and size:
                 _refuse(factor, "a product of two vectors; use `inner` or `cross`")
-            dimension = dimension * (kind.dimension ** Fraction(-1) if divides else kind.dimension)
+            dimension = dimension / kind.dimension if divides else dimension * kind.dimension
             size, literal, known = size or kind.size, literal and kind.literal, known and kind.known
         return Kind(dimension, size, literal, known)
 
@@ -166,7 +202,7 @@ class _Reader:
                 _refuse(node.exponent, f"an exponent of {value:.4g}; at most {LARGEST_EXPONENT} in size is read")
             rational = Fraction(value).limit_denominator(64)
             return Kind(base.dimension**rational, 0, base.literal, base.known)
-        if base.known and base.dimension != DIMENSIONLESS:
+        if exponent.known and base.known and base.dimension != DIMENSIONLESS:
             _refuse(node.exponent, f"the base is in {base.dimension}, so its exponent must be a constant number")
         return Kind(known=base.known and exponent.known)
 

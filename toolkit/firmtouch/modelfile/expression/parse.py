@@ -15,11 +15,13 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Final
 
 from firmtouch.modelfile.expression.functions import FUNCTIONS, ROUGH
-from firmtouch.modelfile.expression.problem import ExpressionError, Problem, did_you_mean, shown
+from firmtouch.modelfile.expression.problem import ExpressionError, Problem
 from firmtouch.modelfile.expression.tree import Call, Name, Node, Number, Power, Product, Rate, Sum, Vector
+from firmtouch.modelfile.words import shown
 
 LONGEST: Final = 4000
 DEEPEST: Final = 40
@@ -41,8 +43,9 @@ class Token:
     at: int
 
 
+@lru_cache(maxsize=256)
 def parse(text: str) -> Node:
-    """Parse an expression.
+    """Parse an expression; the last ones are remembered, since definitions are read twice.
 
     Raises
     ------
@@ -175,7 +178,7 @@ class _Parser:
 
     def _call(self, name: Token) -> Node:
         if name.text != "dot" and name.text not in FUNCTIONS:
-            raise ExpressionError(Problem(_no_function(name.text), name.at))
+            raise ExpressionError(_no_function(name))
         arguments = self._arguments(")")
         if name.text == "dot":
             if len(arguments) != 1 or not isinstance(arguments[0], Name):
@@ -189,8 +192,10 @@ class _Parser:
         return Call(name.text, arguments, name.at)
 
 
-def _no_function(name: str) -> str:
-    if name.lower() in ROUGH:
-        return f"`{name}` has no second derivative everywhere, and energies and constraints must have two"
-    known = ", ".join(FUNCTIONS)
-    return f"there is no function {shown(name)}{did_you_mean(name, FUNCTIONS)}; those that exist: {known}, dot"
+def _no_function(name: Token) -> Problem:
+    if name.text.lower() in ROUGH:
+        message = f"`{name.text}` has no second derivative everywhere, and energies and constraints must have two"
+        return Problem(message, name.at)
+    known = (*FUNCTIONS, "dot")
+    message = f"there is no function {shown(name.text)}; those that exist: {', '.join(known)}"
+    return Problem(message, name.at, near=(name.text, known))

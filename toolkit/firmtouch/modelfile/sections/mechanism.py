@@ -39,7 +39,7 @@ def _matrix(raw: list[Any], known: Declarations, unit: str) -> Matrix:
 
 
 def _inertia(raw: object, info: ValidationInfo) -> Expression | Matrix:
-    known = Declarations(declared(info).parameters)
+    known = declared(info).constant()
     if not isinstance(raw, list):
         return read_expression(raw, known, unit="kg*m^2")
     if raw and isinstance(raw[0], list):

@@ -1,0 +1,33 @@
+"""Every notebook runs from top to bottom, and ends with the numbers that it is known for."""
+
+import json
+from pathlib import Path
+
+import nbformat
+import numpy as np
+import pytest
+from nbclient import NotebookClient
+
+NOTEBOOKS = Path(__file__).parents[2] / "notebooks"
+
+# What each notebook prints last, with the tolerance that its text promises.
+EXPECTED = {
+    "01_first_design": {
+        # The wall is 0.62 m away: 0.5 cos q1 + 0.45 cos(q1 + q2) = 0.62 at the point nearest to the guess.
+        "q_d": ([1.22011, -1.30885], 1e-5),
+        "W": ([[138.25631, 34.33443], [34.33443, 28.69718]], 1e-5),
+        "poles": ([-8, -6], 1e-9),
+        "worst_position": (0.1313505, 1e-6),
+        "orders": ([1, 1], 0.08),  # first-order predictions; the second-order term shifts the observed order a little
+    }
+}
+
+
+@pytest.mark.parametrize("path", sorted(NOTEBOOKS.glob("*.ipynb")), ids=lambda path: path.stem)
+def test_a_notebook_runs_and_its_numbers_are_right(path):
+    notebook = nbformat.read(path, as_version=4)
+    NotebookClient(notebook, timeout=120, resources={"metadata": {"path": str(NOTEBOOKS)}}).execute()
+    results = json.loads(notebook.cells[-1].outputs[0]["text"])
+    assert results.keys() == EXPECTED[path.stem].keys()
+    for name, (value, tolerance) in EXPECTED[path.stem].items():
+        np.testing.assert_allclose(results[name], value, rtol=tolerance, err_msg=name)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -42,7 +43,7 @@ def run(arguments: argparse.Namespace) -> int:
     return GOOD
 
 
-def _contents(design: Design, progress, *, pdf: bool) -> dict[str, bytes]:  # type: ignore[no-untyped-def]
+def _contents(design: Design, progress: Callable[[str], None], *, pdf: bool) -> dict[str, bytes]:
     from firmtouch.report import design_as_json, design_document, render_html, render_pdf
 
     progress("drawing the report")

@@ -6,8 +6,10 @@ no second message elsewhere.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from itertools import chain
 from typing import Any
 
 from firmtouch.modelfile.expression import ExpressionError, Kind, kind_of, parse
@@ -60,6 +62,11 @@ class Declarations:
         below = dict.fromkeys(names[at:], "a definition uses those above it, and this one is not")
         return replace(self, definitions=before, hidden=below)
 
+    def plus(self, definition: str, kind: Kind, extent: Extent) -> Declarations:
+        """Add a definition below the others."""
+        definitions, extents = {**self.definitions, definition: kind}, {**self.extents, definition: extent}
+        return replace(self, definitions=definitions, extents=extents)
+
     def constant(self) -> Declarations:
         """Give what constants are made of: parameters alone."""
         varying = dict.fromkeys((*self.coordinates, *self.definitions), "this is a constant, made of parameters alone")
@@ -96,21 +103,27 @@ class Declarations:
 
 
 def declarations(data: Mapping[str, Any]) -> Declarations:
-    """Read what a file declares."""
-    parameters = {name: _parameter(value) for name, value in _section(data, "parameters").items()}
-    coordinates = {name: _with_unit(value) for name, value in _section(data, "coordinates").items()}
+    """Read what a file declares; a name that is declared twice is of unknown kind."""
+    sections = [_section(data, name) for name in ("parameters", "coordinates", "definitions")]
+    twice = {name for name, count in Counter(chain(*sections)).items() if count > 1}
+    parameters = {name: UNKNOWN if name in twice else _parameter(value) for name, value in sections[0].items()}
+    coordinates = {name: UNKNOWN if name in twice else _with_unit(value) for name, value in sections[1].items()}
     constraints = {name: _with_unit(value) for name, value in _section(data, "constraints").items()}
-    definitions: dict[str, Kind] = {}
-    extents: dict[str, Extent] = {}
-    for name, value in _section(data, "definitions").items():
-        known = Declarations(parameters, coordinates, dict(definitions), dict(extents), constraints)
-        try:
-            tree = parse_entry(value)
-            definitions[name] = known.check(tree)
-            extents[name] = known.extent(tree)
-        except ExpressionError:
-            definitions[name] = UNKNOWN
-    return Declarations(parameters, coordinates, definitions, extents, constraints)
+    known = Declarations(parameters, coordinates, constraints=constraints)
+    for name, value in sections[2].items():
+        kind, extent = UNKNOWN, Extent(1, 1)
+        if name not in twice:
+            kind, extent = _definition(value, known)
+        known = known.plus(name, kind, extent)
+    return known
+
+
+def _definition(raw: object, known: Declarations) -> tuple[Kind, Extent]:
+    try:
+        tree = parse_entry(raw)
+        return known.check(tree), known.extent(tree)
+    except ExpressionError:
+        return UNKNOWN, Extent(1, 1)
 
 
 def parse_entry(raw: object) -> Node:

@@ -85,7 +85,8 @@ class Checked:
 
 def _label(raw: object) -> str:
     if not isinstance(raw, str) or not NAME.fullmatch(raw):
-        refuse(Problem(f"{shown(str(raw))} is no name; names are a letter and up to 31 letters, digits or `_`"))
+        message = f"{shown(str(raw))} is no name; names are a letter and up to 31 letters, digits or `_`"
+        refuse(Problem(message, at_key=True))
     return raw
 
 
@@ -97,11 +98,11 @@ def new_name(raw: object, known: Declarations) -> str:
     """Check a name that the file declares."""
     name = _label(raw)
     if name in RESERVED:
-        refuse(Problem(f"`{name}` is the name of a function or a constant; choose another"))
+        refuse(Problem(f"`{name}` is the name of a function or a constant; choose another", at_key=True))
     spaces = {"parameter": known.parameters, "coordinate": known.coordinates, "definition": known.definitions}
     homes = [kind for kind, names in spaces.items() if name in names]
     if len(homes) > 1:
-        refuse(Problem(f"`{name}` is declared twice, as a {' and as a '.join(homes)}"))
+        refuse(Problem(f"`{name}` is declared twice, as a {' and as a '.join(homes)}", at_key=True))
     return name
 
 
@@ -205,11 +206,15 @@ UnitText = Annotated[str, Checked(_unit, {"type": "string", "examples": ["m", "r
 
 @dataclass(frozen=True, slots=True)
 class Expression:
-    """A checked expression: what was written, its tree, its dimension and size."""
+    """A checked expression: what was written, its tree, its dimension and size.
+
+    `operations` counts the nodes of the tree with its definitions written out.
+    """
 
     text: str
     tree: Node
     kind: Kind
+    operations: int
 
     @property
     def size(self) -> int:
@@ -264,7 +269,7 @@ def read_expression(
         wanted = "a plain number or an angle" if unit == "1" else parse_unit(unit).dimension
         refuse(Problem(f"this is in {kind.dimension}, but {wanted} was expected"))
     text = raw if isinstance(raw, str) else str(raw).replace("'", "")
-    return Expression(" ".join(text.split()), tree, kind)
+    return Expression(" ".join(text.split()), tree, kind, known.extent(tree).nodes)
 
 
 def listed(words: Iterable[str], most: int = 12) -> str:
@@ -282,7 +287,9 @@ def check_keys(given: Iterable[str], choices: Iterable[str], what: str, *, compl
     """Refuse keys that are not among the choices, and, if it shall be complete, choices that are missing."""
     given, choices = tuple(given), tuple(choices)
     problems = [
-        Problem(f"{shown(each)} is no {what}; there are: {listed(choices)}", path=(each,), near=(each, choices))
+        Problem(
+            f"{shown(each)} is no {what}; there are: {listed(choices)}", path=(each,), at_key=True, near=(each, choices)
+        )
         for each in given
         if each not in choices
     ]

@@ -67,7 +67,7 @@ def parse_model(content: bytes, *, name: str, file: str | None = None) -> ModelF
 def _diagnostics(error: ValidationError, document: Document) -> tuple[Diagnostic, ...]:
     """Locate all mistakes, those of YAML too, and word the first hundred.
 
-    A value that YAML's reading refused already was replaced by something, which deserves no second message.
+    A value that YAML's reading refused already is now missing, which deserves no second message.
     """
     refused = {(each.line, each.column): Problem(each.message) for each in document.mistakes}
     located = [(*place, problem) for place, problem in refused.items()]
@@ -87,43 +87,42 @@ def _diagnostics(error: ValidationError, document: Document) -> tuple[Diagnostic
 
 def _located(details: ErrorDetails, document: Document) -> Iterator[tuple[int, int, Problem]]:
     problems = problems_of(details.get("ctx"))
-    at_key = bool(problems) and details["loc"][-1:] == (KEY_MARK,)
-    location = _location(details["loc"][:-1] if at_key else details["loc"])
-    if not problems:
-        problem, at_key = _own_words(details, location)
-        yield *document.place(problem.path, key=at_key), problem
-    for problem in problems:
-        yield *document.place((*location, *problem.path), offset=problem.offset, key=at_key), problem
+    location = _location(details["loc"], ours=bool(problems))
+    for problem in problems or (_own_words(details, location),):
+        path = (*location, *problem.path) if problems else problem.path
+        yield *document.place(path, offset=problem.offset, key=problem.at_key), problem
 
 
-def _location(location: tuple[str | int, ...]) -> tuple[str | int, ...]:
-    """Drop from pydantic's location what the file does not hold: the tag of the mechanism."""
+def _location(location: tuple[str | int, ...], *, ours: bool) -> tuple[str | int, ...]:
+    """Drop from pydantic's location what the file does not hold: the mechanism's tag, the mark of a key of ours."""
+    if ours and location[-1:] == (KEY_MARK,):
+        location = location[:-1]
     return ("mechanism", *location[2:]) if location[:1] == ("mechanism",) else location
 
 
-def _own_words(details: ErrorDetails, path: tuple[str | int, ...]) -> tuple[Problem, bool]:
-    """Say what pydantic found and where, and whether to point at the key.
+def _own_words(details: ErrorDetails, path: tuple[str | int, ...]) -> Problem:
+    """Say what pydantic found, and where in the file.
 
     These are all the types of error that the specification's classes can give; their fields word their own.
     """
     match details["type"]:
         case "missing" if isinstance(path[-1], str):
-            return Problem(f"`{path[-1]}` is missing here", path=path[:-1]), True
+            return Problem(f"`{path[-1]}` is missing here", path=path[:-1], at_key=True)
         case "extra_forbidden":
             key, choices = str(path[-1]), _fields_at(path[:-1])
             message = f"unknown key {shown(key)}; there are: {listed(choices, len(choices))}"
-            return Problem(message, path=path, near=(key, choices)), True
+            return Problem(message, path=path, at_key=True, near=(key, choices))
         case "model_type" | "dict_type":
-            return Problem(f"a mapping `name: value` was expected, not {_sort(details['input'])}", path=path), False
+            return Problem(f"a mapping `name: value` was expected, not {_sort(details['input'])}", path=path)
         case "literal_error":
-            return _no_choice(details, path), False
+            return _no_choice(details, path)
         case "too_short" | "too_long" if isinstance(details["input"], dict):
-            return Problem(_count(details), path=path), False
+            return Problem(_count(details), path=path)
         case "tuple_type" | "too_short" | "too_long" | "missing":
             path = path[:-1] if details["type"] == "missing" else path
-            return Problem("two quantities were expected, as in `[3.5 kg, 5.0 kg]`", path=path), False
+            return Problem("two quantities were expected, as in `[3.5 kg, 5.0 kg]`", path=path)
         case _:
-            return Problem(details["msg"], path=path), False
+            return Problem(details["msg"], path=path)
 
 
 def _no_choice(details: ErrorDetails, path: tuple[str | int, ...]) -> Problem:
@@ -135,7 +134,7 @@ def _no_choice(details: ErrorDetails, path: tuple[str | int, ...]) -> Problem:
 
 
 def _count(details: ErrorDetails) -> str:
-    given, context = details["ctx"]["actual_length"], details["ctx"]
+    given, context = len(details["input"]), details["ctx"]
     if "min_length" in context:
         return f"{given or 'no'} entries where at least {context['min_length']} is needed"
     return f"{given} entries where at most {context['max_length']} are read"

@@ -47,9 +47,7 @@ def design_as_json(design: Design) -> dict[str, Any]:
             "residual": design.residual,
         },
         "positivity": {"full": _positivity(loop.full), "tangent": _positivity(loop.tangent)},
-        "steady_state": {
-            name: _error(getattr(errors, name)) for name in ("force", "offset", "rotation", "tilt")
-        },
+        "steady_state": {name: _error(getattr(errors, name)) for name in ("force", "offset", "rotation", "tilt")},
         "checks": [{"name": each.name, "holds": each.holds} for each in design.checks.results],
         "warnings": list(design.warnings),
     }

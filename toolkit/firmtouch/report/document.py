@@ -66,12 +66,13 @@ class Matrices:
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """A table; columns whose number is in `numeric` are aligned to the right."""
+    """A table; columns in `numeric` are aligned to the right, those in `wide` share the room that the others leave."""
 
     headings: tuple[Line, ...]
     rows: tuple[tuple[Line, ...], ...]
     numeric: frozenset[int] = frozenset()
     caption: Line = ()
+    wide: frozenset[int] = frozenset()
 
 
 @dataclass(frozen=True, slots=True)

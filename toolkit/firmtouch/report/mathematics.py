@@ -19,9 +19,10 @@ WORTH_TIDYING: Final = 260
 LARGEST_POWER: Final = 4
 """Powers beyond this are not multiplied out."""
 _GREEK: Final = frozenset(
-    "alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi rho sigma tau phi chi psi omega "
-    "Gamma Delta Theta Lambda Xi Sigma Phi Psi Omega".split()
-)
+    {"alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "iota", "kappa", "lambda", "mu", "nu", "xi",
+     "rho", "sigma", "tau", "phi", "chi", "psi", "omega", "Gamma", "Delta", "Theta", "Lambda", "Xi", "Sigma", "Phi",
+     "Psi", "Omega"}
+)  # fmt: skip
 _NAME: Final = re.compile(r"(?P<stem>[A-Za-z]+?)_?(?P<index>[0-9]*)")
 
 
@@ -122,7 +123,8 @@ class _Printer:
         if e.is_Function:
             return self._call(e, "")
         if e.is_Float:
-            return f"{float(e):.6g}".replace("e", " dot 10^")
+            mantissa, _, power = f"{float(e):.6g}".partition("e")
+            return f"{mantissa} dot 10^({int(power)})" if power else mantissa
         if e.is_Add or e.is_Mul:
             return f"({self.write(e)})"
         return "pi" if str(e) == "pi" else str(e)
@@ -130,7 +132,11 @@ class _Printer:
     def _call(self, e: Any, exponent: str) -> str:  # noqa: ANN401  # SymPy has no types
         name = type(e).__name__
         known = {"asin": "arcsin", "acos": "arccos", "atan": "arctan"}.get(name, name)
-        operator = known if known in {"sin", "cos", "tan", "exp", "log", "sinh", "cosh", "tanh", "arcsin", "arccos", "arctan"} else f'op("{known}")'
+        operator = (
+            known
+            if known in {"sin", "cos", "tan", "exp", "log", "sinh", "cosh", "tanh", "arcsin", "arccos", "arctan"}
+            else f'op("{known}")'
+        )
         arguments = ", ".join(self.write(each) for each in e.args)
         plain = len(e.args) == 1 and e.args[0].is_Symbol
         return f"{operator}{exponent} {arguments}" if plain else f"{operator}{exponent} ({arguments})"

@@ -42,7 +42,8 @@ def render_pdf(document: Document) -> bytes:
 
 
 def _document(document: Document, names: dict[Figure, str]) -> Iterator[str]:
-    yield f"#show: report.with(title: {_string(document.title)}, subtitle: {_string(document.subtitle)}, footer: {_string(document.footer)})"
+    head = {"title": document.title, "subtitle": document.subtitle, "footer": document.footer}
+    yield f"#show: report.with({', '.join(f'{key}: {_string(text)}' for key, text in head.items())})"
     for section in document.sections:
         if section.title:
             yield f"= #{_string(section.title)}"
@@ -78,9 +79,13 @@ def _matrix(matrix: Matrix) -> str:
 def _table(table: Table) -> str:
     headings = ", ".join(f"[{_line(each)}]" for each in table.headings)
     rows = ", ".join(f"({', '.join(f'[{_line(cell)}]' for cell in row)},)" for row in table.rows)
-    numeric = ", ".join(str(i) for i in sorted(table.numeric))
-    numeric = f"({numeric},)" if numeric else "()"
-    return f"#data(({headings},), ({rows},), {numeric}, [{_line(table.caption)}])"
+    return (
+        f"#data(({headings},), ({rows},), {_numbers(table.numeric)}, {_numbers(table.wide)}, [{_line(table.caption)}])"
+    )
+
+
+def _numbers(numbers: frozenset[int]) -> str:
+    return "(" + "".join(f"{each}, " for each in sorted(numbers)) + ")"
 
 
 def _line(line: Line) -> str:

@@ -10,6 +10,7 @@ if TYPE_CHECKING:
 
 MOST_TERMS: Final = 300
 MOST_FACTORS: Final = 6
+MOST_WAVES: Final = 24
 
 Wave = tuple[str, Any]
 """("cos" or "sin", angle); the constant is ("cos", 0)."""
@@ -18,12 +19,13 @@ Wave = tuple[str, Any]
 def sum_of_angles(expression: sympy.Expr) -> sympy.Expr | None:
     """Write an expression as a sum of coefficient times cos or sin of an angle, each angle once.
 
-    `None` if it has more terms than that is worth, or a product of too many waves.
+    `None` if it has roots of sums, too many terms or waves, or a product of too many: it would not be read anyway.
     """
     import sympy
 
-    terms = sympy.Add.make_args(sympy.expand(expression))
-    if len(terms) > MOST_TERMS:
+    roots = any(each.base.is_Add and not each.exp.is_Integer for each in expression.atoms(sympy.Pow))
+    terms = () if roots else sympy.Add.make_args(sympy.expand(expression))
+    if not 0 < len(terms) <= MOST_TERMS:
         return None
     coefficients: dict[Wave, list[Any]] = defaultdict(list)
     for term in terms:
@@ -33,9 +35,14 @@ def sum_of_angles(expression: sympy.Expr) -> sympy.Expr | None:
         coefficient, spectrum = waves
         for wave, weight in spectrum.items():
             coefficients[wave].append(weight * coefficient)
+    if len(coefficients) > MOST_WAVES:
+        return None
     functions = {"cos": sympy.cos, "sin": sympy.sin}
     return sympy.Add(
-        *(functions[name](angle) * sympy.factor_terms(sympy.Add(*parts)) for (name, angle), parts in coefficients.items())
+        *(
+            functions[name](angle) * sympy.factor_terms(sympy.Add(*parts))
+            for (name, angle), parts in coefficients.items()
+        )
     )
 
 

@@ -8,7 +8,7 @@ import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from firmtouch.report.document import Equation, Math
 
@@ -25,7 +25,10 @@ _HEAD: Final = f"""
 #let display(e) = page(context {{
   if measure(e).width > {WIDEST}pt {{ block(width: {WIDEST}pt, e) }} else {{ e }}
 }})
-#let depth(e) = context [#metadata(measure(e).height.pt() - measure(text(bottom-edge: "baseline", e)).height.pt()) <depth>]
+#let depth(e) = context {{
+  let above = measure(text(bottom-edge: "baseline", e)).height
+  [#metadata(measure(e).height.pt() - above.pt()) <depth>]
+}}
 """
 _SYMBOL: Final = re.compile(r'<symbol id="(g[0-9A-F]+)".*?</symbol>', re.DOTALL)
 
@@ -55,7 +58,10 @@ def typeset(formulas: Sequence[Math | Equation]) -> TypesetFormulas:
     if not formulas:
         return TypesetFormulas({}, "")
     bodies = [f"${each.typst}$" if isinstance(each, Math) else f"$#math.display(${each.typst}$)$" for each in formulas]
-    pages = [f"#{'inline' if isinstance(f, Math) else 'display'}({_content(b)})" for f, b in zip(formulas, bodies, strict=True)]
+    pages = [
+        f"#{'inline' if isinstance(f, Math) else 'display'}({_content(b)})"
+        for f, b in zip(formulas, bodies, strict=True)
+    ]
     depths = [f"#depth({_content(body)})" for body in bodies]
     with tempfile.TemporaryDirectory() as folder:
         source = Path(folder) / "formulas.typ"
@@ -63,7 +69,9 @@ def typeset(formulas: Sequence[Math | Equation]) -> TypesetFormulas:
         compiled = typst.compile(str(source), format="svg", ignore_system_fonts=True)
         source.write_text("\n".join([_HEAD, *depths]), encoding="utf-8")
         measured = json.loads(typst.query(str(source), "<depth>", field="value", ignore_system_fonts=True))
-    pictures = [each.decode() for each in (compiled if isinstance(compiled, list) else [compiled])]
+    # One page comes as bytes, several as a list of them, whatever the annotation says.
+    pages_svg: Any = compiled
+    pictures = [each.decode() for each in (pages_svg if isinstance(pages_svg, list) else [pages_svg])]
     glyphs = {match[1]: match[0] for picture in pictures for match in _SYMBOL.finditer(picture)}
     set_ = {each: _typeset(svg, depth) for each, svg, depth in zip(formulas, pictures, measured, strict=True)}
     return TypesetFormulas(set_, "".join(glyphs.values()))

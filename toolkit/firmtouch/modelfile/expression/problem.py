@@ -11,12 +11,14 @@ from firmtouch.modelfile.words import did_you_mean
 class Problem:
     """A mistake `offset` characters into a text; `path` leads to that text from where the problem is reported.
 
-    `near` is a word and the choices among which it was not; they are compared only when the problem is told.
+    `at_key` says that it is about the key there, not about the value. `near` is a word and the choices among which it
+    was not; they are compared only when the problem is told.
     """
 
     message: str
     offset: int = 0
     path: tuple[str | int, ...] = ()
+    at_key: bool = False
     near: tuple[str, tuple[str, ...]] = ("", ())
 
     def below(self, *path: str | int) -> Problem:

@@ -80,13 +80,13 @@ class Drawing(Section):
     surfaces: dict[Label, Surface] = Field({}, description="what is touched")
     contacts: Annotated[dict[str, tuple[Expression, ...]], Checked(_contacts, {"type": "object"})] = Field(
         {},
-        description="constraint -> the point at which its force acts; in a closed chain two points `[hand, handle]`, of "
-        "which the first feels the force and the second its reaction",
+        description="constraint -> the point at which its force acts; in a closed chain two points `[hand, handle]`, "
+        "of which the first feels the force and the second its reaction",
     )
 
     @model_validator(mode="after")
     def _one_space(self) -> Drawing:
-        sizes = {point.size for point in self.points()}
+        sizes = {point.size for point in self.points() if point.kind.known}
         if len(sizes) > 1:
             refuse(Problem("points in the plane and points in space are mixed"))
         return self

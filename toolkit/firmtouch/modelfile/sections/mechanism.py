@@ -99,6 +99,8 @@ class Body(Section):
     def _plane_or_space(self) -> Body:
         if self.inertia is not None and self.orientation is None:
             refuse(Problem("a body with an inertia needs an `orientation`"))
+        if not self.centre_of_mass.kind.known:
+            return self
         in_plane = self.centre_of_mass.size == 2
         wanted = {"inertia": "a scalar", "orientation": "an angle"} if in_plane else {
             "inertia": "three principal moments or a 3 x 3 matrix",
@@ -122,12 +124,14 @@ class Bodies(Section):
 
     @model_validator(mode="after")
     def _one_space(self) -> Bodies:
+        if not self.gravity.kind.known:
+            return self
         problems = [
             Problem(
                 f"a vector of {size}, where gravity has {self.gravity.size}", path=("bodies", name, "centre_of_mass")
             )
             for name, body in self.bodies.items()
-            if (size := body.centre_of_mass.size) != self.gravity.size
+            if (size := body.centre_of_mass.size) != self.gravity.size and body.centre_of_mass.kind.known
         ]
         if problems:
             refuse(*problems)

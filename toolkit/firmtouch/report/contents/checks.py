@@ -14,7 +14,7 @@ def section(design: Design) -> Section:
     headings: tuple[Line, ...] = (("check",), ("holds",), ("figure",), ("bound",), ("found",))
     rows = tuple(_row(each) for each in design.checks.results)
     intro = "Is the model what it says it is? Each row holds a figure against a bound."
-    return Section("Model checks", (Paragraph((intro,)), Table(headings, rows, frozenset({2, 3}))))
+    return Section("Model checks", (Paragraph((intro,)), Table(headings, rows, frozenset({2, 3}), wide=frozenset({4}))))
 
 
 def _row(result: CheckResult) -> tuple[Line, ...]:

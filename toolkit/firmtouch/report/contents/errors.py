@@ -17,8 +17,8 @@ def section(design: Design) -> Section:
     blocks: list[Block] = [
         Paragraph(
             (
-                "If the world differs from the model by a constant, the closed loop comes to rest a little off. These "
-                "predictions are exact in first order.",
+                "If the world differs from the model by a constant, the closed loop comes to rest a little off. "
+                "These predictions are exact in first order.",
             )
         ),
         Equation(
@@ -34,8 +34,8 @@ def section(design: Design) -> Section:
         _worst(design),
     ]
     if m == 1:
-        text = "With one constraint the paper's rotation R can only be ±1, so its row is empty; a real error of the surface's "
-        blocks.append(Paragraph((text + "normal is the tilt.",)))
+        text = "With one constraint the paper's rotation R can only be ±1, so its row is empty; "
+        blocks.append(Paragraph((text + "a real error of the surface's normal is the tilt.",)))
     blocks += [
         Paragraph(("Per unit of a constant force ", Math("d"), " and of an offset ", Math("Delta"), ":")),
         Matrices(
@@ -54,7 +54,8 @@ def section(design: Design) -> Section:
                 Math("J -> J + E"),
                 " as ",
                 Math("d = E^T lambda_d"),
-                ". Stiffer position gains help against forces and harm the contact force under offsets, which grows with ",
+                ". Stiffer position gains help against forces and harm the contact force under offsets, "
+                "which grows with ",
                 Math("K"),
                 "; force feedback divides every force error by ",
                 Math("I + G_f"),
@@ -85,11 +86,25 @@ def _worst(design: Design) -> Table:
             if worst.value > 0:
                 cause: Line = (Math(symbol), f" = {vector(worst.cause)}")
                 first = bound if effect == "delta q" or error.worst_position.value == 0 else ("",)
-                rows.append((first, (Math(f"abs({effect})"),), (f"{number(worst.value, 3)} {of_effect}",), cause, (vector(worst.effect),)))
+                rows.append(
+                    (
+                        first,
+                        (Math(f"abs({effect})"),),
+                        (f"{number(worst.value, 3)} {of_effect}",),
+                        cause,
+                        (vector(worst.effect),),
+                    )
+                )
     headings: tuple[Line, ...] = (("cause, bound",), ("",), ("worst",), ("taken at",), ("where the effect is",))
-    return Table(headings, tuple(rows), frozenset({2}), ("Worst cases, with the direction in which they are taken.",))
+    return Table(
+        headings,
+        tuple(rows),
+        frozenset({2}),
+        ("Worst cases, with the direction in which they are taken.",),
+        frozenset({3, 4}),
+    )
 
 
 def _bound(bound: float | Array, unit: str) -> str:
-    values = {bound} if isinstance(bound, float) else {float(each) for each in bound}
-    return f"up to {number(values.pop(), 3)} {unit}" if len(values) == 1 else f"semi-axes {vector(bound)}"
+    values = [bound] if isinstance(bound, float) else [float(each) for each in bound]
+    return f"up to {number(values[0], 3)} {unit}" if len(set(values)) == 1 else f"semi-axes {vector(values)}"

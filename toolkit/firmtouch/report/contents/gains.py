@@ -6,7 +6,7 @@ import numpy as np
 
 from firmtouch.design import Design
 from firmtouch.report.contents.operating_point import as_matrix
-from firmtouch.report.document import Equation, Matrices, Math, Paragraph, Section
+from firmtouch.report.document import Equation, Math, Matrices, Paragraph, Section
 
 _POLICIES = {
     "decouple": (

@@ -50,5 +50,6 @@ def _picture(scene: Scene) -> Figure:
         caption += ", and in pale where the constraints let it go"
     if forces:
         caption += f". Red: the contact force on the mechanism ({'; '.join(forces)})"
-    alt = f"Drawing of the mechanism with {len(scene.lines)} chains of links touching {len(scene.walls + scene.rounds)} surfaces"
+    surfaces = len(scene.walls + scene.rounds)
+    alt = f"Drawing of the mechanism with {len(scene.lines)} chains of links touching {surfaces} surfaces"
     return Figure(mechanism_picture(scene), prose(f"{caption}."), alt, 0.82)

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final
 
 from firmtouch.design import Design
 from firmtouch.mechanics.symbolic import SymbolicPlant
 from firmtouch.report.document import Block, Code, Equation, Line, Math, Paragraph, Section, Table
 from firmtouch.report.mathematics import formula, symbol, tidy
 from firmtouch.report.numbers import number, unit
+
+MOST_ENTRIES: Final = 9
+"""Entries up to which a matrix is written out."""
 
 
 def section(design: Design) -> Section:
@@ -26,7 +29,12 @@ def section(design: Design) -> Section:
         ),
         Equation("M(q) dot.double(q) + theta(q, dot(q)) = J(q)^T lambda + u, quad Phi(q) = 0", "(4), (1)"),
         Paragraph(
-            (Math("lambda_j > 0"), " pushes the mechanism towards growing ", Math("phi_j"), ". All numbers are in SI units.")
+            (
+                Math("lambda_j > 0"),
+                " pushes the mechanism towards growing ",
+                Math("phi_j"),
+                ". All numbers are in SI units.",
+            )
         ),
         _coordinates(design),
     ]
@@ -38,23 +46,29 @@ def section(design: Design) -> Section:
 
 def _coordinates(design: Design) -> Table:
     spec = design.model.spec
-    rows = [((Math(symbol(name)),), (unit(each.unit),), (each.label or "",)) for name, each in spec.coordinates.items()]
+    rows: list[tuple[Line, ...]] = [
+        ((Math(symbol(name)),), (unit(each.unit),), (each.label or "",)) for name, each in spec.coordinates.items()
+    ]
     rows += [
-        ((Math(f"phi_({_text(name)})"),), (unit(each.unit),), (each.label or "", " " if each.label else "", Code(each.expression.text)))
+        (
+            (Math(f"phi_({_text(name)})"),),
+            (unit(each.unit),),
+            (each.label or "", " " if each.label else "", Code(each.expression.text)),
+        )
         for name, each in spec.constraints.items()
     ]
-    return Table((("symbol",), ("unit",), ("coordinates and constraints",)), tuple(rows))
+    return Table((("symbol",), ("unit",), ("coordinates and constraints",)), tuple(rows), wide=frozenset({2}))
 
 
 def _parameters(design: Design) -> Table:
-    rows = []
+    rows: list[tuple[Line, ...]] = []
     for name, each in design.model.spec.parameters.items():
         interval = "" if each.interval is None else " to ".join(number(end.value) for end in each.interval)
         rows.append(
             ((Math(symbol(name)),), (number(each.value.value),), (unit(each.unit),), (interval,), (each.label or "",))
         )
     headings: tuple[Line, ...] = (("parameter",), ("value",), ("unit",), ("interval",), ("",))
-    return Table(headings, tuple(rows), frozenset({1}))
+    return Table(headings, tuple(rows), frozenset({1}), wide=frozenset({4}))
 
 
 def _equations(design: Design) -> Iterator[Block]:
@@ -79,11 +93,20 @@ class _Group:
         if not self.entries:
             yield Paragraph((f"{self.words} ", Math(self.name), " vanishes identically."))
             return
-        tidied = [(symbol_, entry, tidy(entry)) for symbol_, entry in self.entries]
+        few = len(self.entries) <= MOST_ENTRIES
+        tidied = [(symbol_, entry, tidy(entry) if few else None) for symbol_, entry in self.entries]
         readable = [(symbol_, short) for symbol_, _, short in tidied if short is not None]
         sizes = [entry.count_ops() for _, entry, short in tidied if short is None]
-        rest = f" ({len(sizes)} of {len(tidied)} entries, of up to {max(sizes)} operations, are left out)" if sizes else ""
-        yield Paragraph((f"{self.words} ", Math(self.name), rest, ":" if readable else "."))
+        if not readable:
+            entries = f"{len(sizes)} entries of up to " if len(sizes) > 1 else ""
+            yield Paragraph(
+                (f"{self.words} ", Math(self.name), f": {entries}{max(sizes)} operations, not written out.")
+            )
+            return
+        rest = (
+            f" ({len(sizes)} of {len(tidied)} entries, of up to {max(sizes)} operations, are left out)" if sizes else ""
+        )
+        yield Paragraph((f"{self.words} ", Math(self.name), f"{rest}:"))
         for symbol_, short in readable:
             yield Equation(f"{symbol_} = {formula(short, self.rates)}")
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from firmtouch.design import Design
 from firmtouch.mechanics import Array
-from firmtouch.report.document import Block, Equation, Math, Matrices, Matrix, Paragraph, Section, Table
+from firmtouch.report.document import Block, Equation, Line, Math, Matrices, Matrix, Paragraph, Section, Table
 from firmtouch.report.mathematics import symbol
 from firmtouch.report.numbers import matrix, number
 
@@ -16,7 +16,15 @@ def section(design: Design) -> Section:
     op = design.loop.operating_point
     found = f"the projection moved the given configuration by {number(op.moved, 2)}" if op.moved else "as given"
     blocks: list[Block] = [
-        Paragraph(("The mechanism shall rest at ", Math("q_d"), " and press with ", Math("f_d = J^T lambda_d"), f" ({found}):")),
+        Paragraph(
+            (
+                "The mechanism shall rest at ",
+                Math("q_d"),
+                " and press with ",
+                Math("f_d = J^T lambda_d"),
+                f" ({found}):",
+            )
+        ),
         _configuration(design),
         _multipliers(design),
         Paragraph(("There the plant has",)),
@@ -61,8 +69,9 @@ def _configuration(design: Design) -> Table:
     for i, (name, each) in enumerate(spec.coordinates.items()):
         degrees = f"{number(float(np.degrees(op.q_d[i])), 4)}°" if each.unit == "rad" else ""
         effort = "N m" if each.unit == "rad" else "N"
-        row = (symbol(name), number(float(op.q_d[i]), 6), each.unit, degrees, f"{number(float(op.f_d[i]))} {effort}")
-        rows.append(((Math(row[0]),), *((text,) for text in row[1:])))
+        texts = (number(float(op.q_d[i]), 6), each.unit, degrees, f"{number(float(op.f_d[i]))} {effort}")
+        row: tuple[Line, ...] = ((Math(symbol(name)),), *((text,) for text in texts))
+        rows.append(row)
     headings = (("coordinate",), (Math("q_d"),), ("unit",), ("",), (Math("f_d"),))
     return Table(headings, tuple(rows), frozenset({1, 3, 4}))
 
@@ -73,4 +82,6 @@ def _multipliers(design: Design) -> Table:
     for value, (name, each) in zip(op.lambda_d, spec.constraints.items(), strict=True):
         unit = {"m": "N", "rad": "N m"}.get(each.unit, f"J/({each.unit})")
         rows.append(((name.replace("_", " "),), (number(float(value)),), (unit,), (each.label or "",)))
-    return Table((("constraint",), (Math("lambda_d"),), ("unit",), ("",)), tuple(rows), frozenset({1}))
+    return Table(
+        (("constraint",), (Math("lambda_d"),), ("unit",), ("",)), tuple(rows), frozenset({1}), wide=frozenset({3})
+    )

@@ -19,8 +19,8 @@ def section(design: Design) -> Section:
             Equation("K = W + P_(q q)(q_d) - sum_j lambda_(d j) phi''_j (q_d) > 0, quad C > 0, quad W > 0", "(14)"),
             Paragraph(
                 (
-                    "These conditions (Theorem 1, Corollary 2) make the closed loop locally asymptotically stable. What is "
-                    "needed near ",
+                    "These conditions (Theorem 1, Corollary 2) make the closed loop locally asymptotically stable. "
+                    "What is needed near ",
                     Math("q_d"),
                     " is less: ",
                     Math("K"),
@@ -34,6 +34,7 @@ def section(design: Design) -> Section:
             Table(
                 (("level",), ("holds",), ("matrix",), ("eigenvalues",)),
                 (*_rows("full", loop.full), *_rows("tangent", loop.tangent)),
+                wide=frozenset({3}),
             ),
             Figure(
                 eigenvalue_chart(loop.full, loop.tangent),
@@ -49,6 +50,11 @@ def section(design: Design) -> Section:
 def _rows(level: str, positivity: Positivity) -> list[tuple[Line, ...]]:
     holds = "yes" if positivity.holds else "no"
     return [
-        ((level if name == "K" else "",), (holds if name == "K" else "",), (Math(name),), (", ".join(number(float(each)) for each in values),))
+        (
+            (level if name == "K" else "",),
+            (holds if name == "K" else "",),
+            (Math(name),),
+            (", ".join(number(float(each)) for each in values),),
+        )
         for name, values in (("K", positivity.K), ("C", positivity.C), ("W", positivity.W))
     ]

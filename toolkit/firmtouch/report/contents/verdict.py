@@ -13,7 +13,8 @@ def verdict(design: Design) -> str:
         "C and K are positive definite on the directions that the constraints leave free"
     )  # fmt: skip
     return (
-        f"Designed: the gains put {_poles(design)}, {matrices}, and all {len(design.checks.results)} model checks hold; "
+        f"Designed: the gains put {_poles(design)}, {matrices}, "
+        f"and all {len(design.checks.results)} model checks hold; "
         f"after any small disturbance the mechanism returns to q_d and its constraint force"
         f"{'s' if spec.m > 1 else ''} to lambda_d{settling(design)}."
     )

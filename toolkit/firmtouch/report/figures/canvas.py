@@ -47,7 +47,7 @@ def styled() -> Any:  # noqa: ANN401  # matplotlib's context manager
     """Draw within this context."""
     import matplotlib as mpl
 
-    return mpl.rc_context(_STYLE)
+    return mpl.rc_context(_STYLE)  # type: ignore[arg-type]  # its keys are Literals
 
 
 def new_figure(width: float, height: float) -> Figure:

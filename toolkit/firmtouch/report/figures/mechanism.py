@@ -25,6 +25,7 @@ from firmtouch.report.figures.canvas import (
 from firmtouch.report.numbers import number
 
 NOTHING: Final = 1e-9
+HEAD: Final = "-|>,head_width=0.45,head_length=0.9"
 SURFACE_PART: Final = 0.4
 """How far the picture follows a round surface beyond the mechanism, as a part of its size."""
 ARROW: Final = 0.2
@@ -80,7 +81,9 @@ def _in_plane(scene: Scene) -> str:
     _draw_surfaces(axes, scene, span)
     for ghost in scene.ghosts:
         for line in ghost:
-            axes.plot(*line.T, color=ARM, alpha=0.16, linewidth=5, solid_capstyle="round", solid_joinstyle="round", zorder=2)
+            axes.plot(
+                *line.T, color=ARM, alpha=0.16, linewidth=5, solid_capstyle="round", solid_joinstyle="round", zorder=2
+            )
     for line in scene.lines:
         _draw_links(axes, line)
     _draw_bases(axes, scene, span)
@@ -150,14 +153,12 @@ def _draw_arrow(axes: Any, head: Array, force: Array, length: float) -> Array:  
     tail = head - length * force / np.linalg.norm(force)
     axes.annotate(
         "", xy=tuple(head), xytext=tuple(tail), zorder=9,
-        arrowprops={"arrowstyle": "-|>,head_width=0.45,head_length=0.9", "color": FORCE, "linewidth": 2.6, "shrinkB": 3},
+        arrowprops={"arrowstyle": HEAD, "color": FORCE, "linewidth": 2.6, "shrinkB": 3},
     )  # fmt: skip
     return frozen(tail)
 
 
 def _in_space(scene: Scene) -> str:
-    import mpl_toolkits.mplot3d  # noqa: F401  # registers the projection "3d"
-
     low, high = _extent(scene)
     span = float(np.max(high - low))
     figure = new_figure(5.8, 5.2)
@@ -175,12 +176,21 @@ def _in_space(scene: Scene) -> str:
         axes.plot(*line.T, color=ARM, linewidth=5, zorder=5, solid_capstyle="round")
         axes.plot(*line.T, "o", color=INK, markerfacecolor="white", markersize=6, markeredgewidth=1.3, zorder=6)
     if len(scene.masses):
-        axes.plot(*scene.masses.T, "o", color=INK, markerfacecolor="#f2c14e", markersize=5, markeredgewidth=0.9, zorder=7)
+        axes.plot(
+            *scene.masses.T, "o", color=INK, markerfacecolor="#f2c14e", markersize=5, markeredgewidth=0.9, zorder=7
+        )
     for force in shown_forces(scene):
         direction = force.force / np.linalg.norm(force.force)
         tail = force.point + 1.3 * ARROW * span * direction
         axes.quiver(*force.point, *(tail - force.point), color=FORCE, linewidth=2.4, arrow_length_ratio=0.25, zorder=9)
-        axes.text(*(tail + 0.06 * span * direction), force_label(force), color=FORCE, fontweight="bold", fontsize=10, zorder=10)
+        axes.text(
+            *(tail + 0.06 * span * direction),
+            force_label(force),
+            color=FORCE,
+            fontweight="bold",
+            fontsize=10,
+            zorder=10,
+        )
     centre = (low + high) / 2
     for setter, c, bottom in zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), centre, low, strict=True):
         setter(c - span / 2, c + span / 2) if bottom is not low[2] else setter(low[2], low[2] + span)

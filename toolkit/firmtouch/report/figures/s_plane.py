@@ -47,7 +47,8 @@ def _draw_net(axes, reach: float, height: float) -> None:  # type: ignore[no-unt
             axes.plot(x, sign * slope * x, color=FAINT, linewidth=0.8, zorder=0)
         label = 0.92 * min(reach, height)
         axes.annotate(
-            f"ζ = {damping:g}", (-label * damping, label * np.sqrt(1 - damping**2)), fontsize=7, color=MUTED, ha="center", va="center",
+            f"ζ = {damping:g}", (-label * damping, label * np.sqrt(1 - damping**2)),
+            fontsize=7, color=MUTED, ha="center", va="center",
             bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6, "alpha": 0.9},
         )  # fmt: skip
     angle = np.linspace(np.pi / 2, 3 * np.pi / 2, 181)

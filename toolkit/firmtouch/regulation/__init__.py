@@ -5,6 +5,7 @@ from firmtouch.regulation.controllers import closed_loop_acceleration, control_l
 from firmtouch.regulation.gains import Gains
 from firmtouch.regulation.operating_point import OperatingPoint, find_operating_point, project
 from firmtouch.regulation.split import Split, split_directions
+from firmtouch.regulation.state_space import state_space
 from firmtouch.regulation.steady_state import SteadyState, SteadyStateError, steady_state_errors
 
 __all__ = [
@@ -22,5 +23,6 @@ __all__ = [
     "find_operating_point",
     "project",
     "split_directions",
+    "state_space",
     "steady_state_errors",
 ]

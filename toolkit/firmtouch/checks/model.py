@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Final
 
+import numpy as np
+
 from firmtouch.checks import contact, curvature, derivatives, inertia, motion
 from firmtouch.checks.result import CheckReport, CheckResult
 from firmtouch.checks.subject import Subject, make_subject
@@ -37,7 +39,10 @@ def check_model(model: ModelFile) -> tuple[CheckReport, SymbolicPlant | None]:
     """
     from firmtouch.mechanics.symbolic import derive_symbolically
 
-    subject = make_subject(model.spec)
-    results = [check(subject) for check in CHECKS]
-    symbolic = derive_symbolically(model.spec) if derivatives.worth_comparing(subject) else None
-    return CheckReport(model.name, (*results, derivatives.derivations_agree(subject, symbolic))), symbolic
+    # Overflow and 0/0 are no news to the user's terminal: the checks report what is not finite.
+    with np.errstate(all="ignore"):
+        subject = make_subject(model.spec)
+        results = [check(subject) for check in CHECKS]
+        symbolic = derive_symbolically(model.spec) if derivatives.worth_comparing(subject) else None
+        results.append(derivatives.derivations_agree(subject, symbolic))
+    return CheckReport(model.name, tuple(results)), symbolic

@@ -15,7 +15,7 @@ DURATION: Final = 0.1
 TOLERANCE: Final = 1e-9
 KEPT: Final = 1e-6
 """Energy error relative to the energy that was exchanged; the integrator is asked for 1e-9 a step."""
-MOST_EVALUATIONS: Final = 4000
+MOST_EVALUATIONS: Final = 1000
 
 
 class _TooManyEvaluations(Exception):  # noqa: N818  # never leaves this file

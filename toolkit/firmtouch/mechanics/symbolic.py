@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 LONGEST_EXACT = 8
 EXACT_EXPONENT = 8
+EXACT_BITS = 64
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,7 +113,8 @@ class _Reader:
 
     def _power(self, base: Any, exponent: Any) -> Any:  # noqa: ANN401  # SymPy has no types
         """Keep powers of constants from growing into numbers of many digits."""
-        large = base.is_Number and exponent.is_Number and abs(exponent) > EXACT_EXPONENT
+        long = base.is_Rational and base.p.bit_length() + base.q.bit_length() > EXACT_BITS
+        large = base.is_Number and exponent.is_Number and (long or abs(exponent) > EXACT_EXPONENT)
         return self._sympy.Float(base) ** exponent if large else base**exponent
 
     def scalar(self, expression: Expression) -> Any:  # noqa: ANN401  # SymPy has no types

@@ -16,6 +16,8 @@ UNBROKEN: Final = 14
 """Operations up to which something is put under a root or over a fraction bar, where no line can break."""
 WORTH_TIDYING: Final = 260
 """Operations up to which simplification is tried."""
+LONGEST_BASE: Final = 24
+"""Operations up to which something is put under a root or a power."""
 LARGEST_POWER: Final = 4
 """Powers beyond this are not multiplied out."""
 _GREEK: Final = frozenset(
@@ -54,7 +56,14 @@ def tidy(expression: sympy.Expr) -> sympy.Expr | None:
         summed = sum_of_angles(expression)
         forms += [summed] if summed is not None else []
     best = min(forms, key=lambda form: form.count_ops())
-    return best if best.count_ops() <= READABLE else None
+    return best if best.count_ops() <= READABLE and not _has_long_base(best) else None
+
+
+def _has_long_base(expression: sympy.Expr) -> bool:
+    """Tell whether a root or power is too long for a line: within its brackets none can break."""
+    import sympy
+
+    return any(each.base.count_ops() > LONGEST_BASE for each in expression.atoms(sympy.Pow))
 
 
 def _has_large_power(expression: sympy.Expr) -> bool:

@@ -33,8 +33,8 @@ def number(value: float, figures: int = 4) -> str:
 
 
 def complex_number(value: complex, figures: int = 4) -> str:
-    """Write a complex number; an imaginary part of rounding size is left out."""
-    if abs(value.imag) <= NEGLIGIBLE * abs(value):
+    """Write a complex number; an imaginary part that the figures would not show is left out."""
+    if abs(value.imag) <= 0.5 * 10.0**-figures * abs(value):
         return number(value.real, figures)
     sign = "+" if value.imag > 0 else "−"
     return f"{number(value.real, figures)} {sign} {number(abs(value.imag), figures)}j"

@@ -90,11 +90,12 @@ class _Group:
 
     def blocks(self) -> Iterator[Block]:
         """Write the entries that can be read, and the size of the others."""
-        if not self.entries:
-            yield Paragraph((f"{self.words} ", Math(self.name), " vanishes identically."))
-            return
         few = len(self.entries) <= MOST_ENTRIES
         tidied = [(symbol_, entry, tidy(entry) if few else None) for symbol_, entry in self.entries]
+        tidied = [each for each in tidied if each[2] != 0]
+        if not tidied:
+            yield Paragraph((f"{self.words} ", Math(self.name), " vanishes identically."))
+            return
         readable = [(symbol_, short) for symbol_, _, short in tidied if short is not None]
         sizes = [entry.count_ops() for _, entry, short in tidied if short is None]
         if not readable:

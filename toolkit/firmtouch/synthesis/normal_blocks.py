@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 
 from firmtouch.mechanics import Array
 from firmtouch.mechanics.arrays import frozen, symmetric
 from firmtouch.modelfile.sections.design import NormalBlocks
 from firmtouch.regulation.split import Blocks
+
+CLEARLY_POSITIVE: Final = 1e-6
+"""The part of the largest stiffness below which W22 counts as zero: K11, and its rounding, grow with its inverse."""
 
 
 def mixed_block(X22: Array, M: Blocks, policy: NormalBlocks) -> Array:
@@ -28,12 +33,12 @@ def damping_blocks(C22: Array, M: Blocks, policy: NormalBlocks) -> Blocks:
 def stiffness_blocks(K22: Array, M: Blocks, N0: Blocks, policy: NormalBlocks) -> Blocks:
     """Complete K22 to K so that K and W = K - N0 have least eigenvalues of `margin` times those of K22 and W22.
 
-    Where W22 itself is not positive definite no K11 can make W so, and K alone is completed.
+    Where W22 itself is not clearly positive definite no K11 of sensible size can make W so, and K alone is completed.
     """
     K12 = mixed_block(K22, M, policy)
     needed = least_normal_block(K12, K22, policy.margin)
     W22 = symmetric(K22 - N0.X22)
-    if np.linalg.eigvalsh(W22)[0] > 0:
+    if np.linalg.eigvalsh(W22)[0] > CLEARLY_POSITIVE * max(np.linalg.norm(K22, 2), np.linalg.norm(N0.X22, 2)):
         needed = _upper_bound(needed, least_normal_block(K12 - N0.X12, W22, policy.margin) + N0.X11)
     return Blocks(needed, K12, K22)
 

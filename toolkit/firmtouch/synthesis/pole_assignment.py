@@ -15,7 +15,7 @@ from firmtouch.mechanics.arrays import frozen, symmetric
 from firmtouch.modelfile.sections.design import DesignSpec
 from firmtouch.regulation import ClosedLoop, Gains, OperatingPoint, close_loop, split_directions
 from firmtouch.regulation.closed_loop import match_poles, pole_distance
-from firmtouch.synthesis.normal_blocks import damping_blocks, stiffness_blocks
+from firmtouch.synthesis.normal_blocks import CLEARLY_POSITIVE, damping_blocks, stiffness_blocks
 from firmtouch.synthesis.pairing import Mode, pairings
 
 POLE_TOLERANCE: Final = 1e-6
@@ -23,7 +23,7 @@ POLE_TOLERANCE: Final = 1e-6
 MOST_REFINED: Final = 8
 """Starts of the refinement of the mode shapes; further pairings keep the plant's shapes."""
 WALL: Final = 4.0
-"""What the refinement sees, relative to its start, where W22 is not positive though it must be (||W|| grows there)."""
+"""What the refinement sees, relative to its start, where W is not positive though it must be (||W|| grows there)."""
 
 
 class PolesMissedError(NoDesignError):
@@ -48,9 +48,9 @@ class NotPositiveError(NoDesignError):
         least = {"K": positivity.K[0], "C": positivity.C[0], "W": positivity.W[0]}
         figures = ", ".join(f"{name}_min = {value:.4g}" for name, value in least.items())
         remedy = (
-            "; the poles ask for less stiffness than the plant brings by itself (W22 = K22 - N0_22 is not positive): "
-            "take faster poles, or `level: tangent`, which needs no W > 0"
-            if loop.tangent.holds and loop.tangent.W[0] <= 0
+            "; the poles ask for no more stiffness than the plant brings by itself "
+            "(W22 = K22 - N0_22 is not clearly positive): take faster poles, or `level: tangent`, which needs no W > 0"
+            if loop.tangent.holds and loop.full.W[0] <= 0
             else ""
         )
         super().__init__(f"not positive definite on the {level} level: {figures}{remedy}")
@@ -95,7 +95,7 @@ def pole_assignment_gains(op: OperatingPoint, design: DesignSpec) -> Gains:
 
     def size(modes: tuple[Mode, ...], Q: Array) -> float:
         W = stiffness(modes, Q) - op.N0
-        allowed = design.level == "tangent" or np.linalg.eigvalsh(split.V2.T @ W @ split.V2)[0] > 0
+        allowed = design.level == "tangent" or np.linalg.eigvalsh(W)[0] > 0
         return float(np.linalg.norm(W)) if allowed else np.inf
 
     modes, Q = _mode_shapes(design, natural, size)
@@ -128,13 +128,13 @@ def _mode_shapes(
     for modes in pairings(design.poles):
         ordered = tuple(sorted(modes, key=lambda each: (each.k, each.c)))
         excess = np.array([mode.k for mode in ordered]) - values
-        refused = design.level == "full" and bool(np.min(excess) <= 0)
+        refused = design.level == "full" and bool(np.min(excess) <= CLEARLY_POSITIVE * np.max(np.abs(values)))
         starts.append((refused, float(excess @ excess), ordered))
     starts.sort(key=lambda each: each[:2])
-    if design.modes == "plant" or len(values) == 1 or starts[0][0]:
+    usable = [modes for _, _, modes in starts[:MOST_REFINED] if np.isfinite(size(modes, vectors))]
+    if design.modes == "plant" or len(values) == 1 or not usable:
         return starts[0][2], vectors
-    refined = [_turned(modes, vectors, size) for refused, _, modes in starts[:MOST_REFINED] if not refused]
-    _, modes, Q = min(refined, key=lambda each: each[0])
+    _, modes, Q = min((_turned(modes, vectors, size) for modes in usable), key=lambda each: each[0])
     return modes, Q
 
 

@@ -4,6 +4,9 @@ MODEL  ?= models/planar_2r_wall.yaml
 BIN    := .venv/bin
 SOURCE := $(shell find toolkit -name '*.py')
 
+# Matrices here are small: a second thread for each costs more than it gives.
+export OPENBLAS_NUM_THREADS ?= 1
+
 .PHONY: design test test-slow lint benchmark lock clean
 
 design: .venv/package

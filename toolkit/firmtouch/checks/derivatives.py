@@ -27,6 +27,8 @@ LARGEST_SYMBOLIC: Final = 4000
 """CasADi operations beyond which SymPy would take more than two or three seconds (measured: 0.7 ms for each)."""
 LONGEST_SYMBOLIC: Final = 6000
 """The same for operations as written out, times coordinates: SymPy does not share what CasADi computes once."""
+DEEPEST_SYMBOLIC: Final = 20
+"""Beyond this nesting SymPy's questions about signs take exponential time; an arm of six links is 14 deep."""
 
 
 def hessians_symmetric(subject: Subject) -> CheckResult:
@@ -72,8 +74,9 @@ def worth_comparing(subject: Subject) -> bool:
     """Tell whether SymPy can derive this model in two or three seconds."""
     plant = subject.plant
     computed = sum(plant.functions[name].n_instructions() for name in ("theta", "M", "Phi_qq", "P_qq"))
-    written = sum(each.operations for each in _expressions((plant.spec.mechanism, plant.spec.constraints)))
-    return computed <= LARGEST_SYMBOLIC and plant.n * written <= LONGEST_SYMBOLIC
+    extents = [each.extent for each in _expressions((plant.spec.mechanism, plant.spec.constraints))]
+    written, deepest = sum(each.nodes for each in extents), max(each.depth for each in extents)
+    return computed <= LARGEST_SYMBOLIC and plant.n * written <= LONGEST_SYMBOLIC and deepest <= DEEPEST_SYMBOLIC
 
 
 def _expressions(part: object) -> Iterator[Expression]:
@@ -155,5 +158,7 @@ def _dirac(x: float, _: float = 0) -> float:
 _FUNCTIONS: Final[Mapping[str, Callable[..., float]]] = {
     **{name: getattr(math, name) for name in SCALAR},
     # SymPy writes the root of a square as `Abs`, and differentiates it twice.
-    **{"Abs": abs, "sign": _sign, "DiracDelta": _dirac},
+    "Abs": abs,
+    "sign": _sign,
+    "DiracDelta": _dirac,
 }

@@ -5,6 +5,7 @@ Exit codes: 0 good, 1 the answer is no, 2 the question was wrong. Results go to 
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Sequence
 
@@ -14,6 +15,9 @@ GOOD, NO, WRONG = 0, 1, 2
 def main(argv: Sequence[str] | None = None) -> int:
     """Run a command and give its exit code."""
     from firmtouch.cli.arguments import build_parser
+
+    # Matrices here are small: a second thread costs more than it gives. Read when NumPy is loaded.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
     arguments = build_parser().parse_args(argv)
     from firmtouch.errors import InputError, NoDesignError

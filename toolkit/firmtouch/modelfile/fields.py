@@ -16,7 +16,7 @@ from typing import Annotated, Any, Final, NoReturn, TypeVar
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-from firmtouch.modelfile.declarations import Declarations, parse_entry
+from firmtouch.modelfile.declarations import Declarations, Extent, parse_entry
 from firmtouch.modelfile.expression import CONSTANTS, FUNCTIONS, ExpressionError, Kind, Node, Problem, names_in
 from firmtouch.modelfile.units import DIMENSIONLESS, Dimension, UnitError, parse_unit, split_quantity
 from firmtouch.modelfile.words import shown
@@ -208,13 +208,13 @@ UnitText = Annotated[str, Checked(_unit, {"type": "string", "examples": ["m", "r
 class Expression:
     """A checked expression: what was written, its tree, its dimension and size.
 
-    `operations` counts the nodes of the tree with its definitions written out.
+    `extent` is that of the tree with its definitions written out.
     """
 
     text: str
     tree: Node
     kind: Kind
-    operations: int
+    extent: Extent
 
     @property
     def size(self) -> int:
@@ -269,7 +269,7 @@ def read_expression(
         wanted = "a plain number or an angle" if unit == "1" else parse_unit(unit).dimension
         refuse(Problem(f"this is in {kind.dimension}, but {wanted} was expected"))
     text = raw if isinstance(raw, str) else str(raw).replace("'", "")
-    return Expression(" ".join(text.split()), tree, kind, known.extent(tree).nodes)
+    return Expression(" ".join(text.split()), tree, kind, known.extent(tree))
 
 
 def listed(words: Iterable[str], most: int = 12) -> str:

@@ -24,7 +24,7 @@ class Poles:
 
     @property
     def disagreement(self) -> float:
-        """Largest distance between the two routes, relative to the largest pole."""
+        """Largest distance between the two routes, relative to each pole."""
         return pole_distance(self.pencil, self.reduced)
 
 
@@ -121,10 +121,9 @@ def match_poles(achieved: tuple[complex, ...], requested: tuple[complex, ...]) -
 
 
 def pole_distance(achieved: tuple[complex, ...], requested: tuple[complex, ...]) -> float:
-    """Give the largest distance between matched poles, relative to the largest requested one."""
+    """Give the largest distance between matched poles, each relative to the requested one."""
     matched = match_poles(achieved, requested)
-    scale = max(abs(each) for each in requested) or 1.0
-    return max(abs(a - b) for a, b in zip(matched, requested, strict=True)) / scale
+    return max(abs(a - b) / abs(b) if b else abs(a) for a, b in zip(matched, requested, strict=True))
 
 
 def _ordered(poles: Array) -> tuple[complex, ...]:

@@ -150,7 +150,8 @@ class _Reader:
             case Vector():
                 return self._vector(node)
             case Sum(terms=terms):
-                return self._alike([each for _, each in terms], "added")
+                nodes = tuple(each for _, each in terms)
+                return _alike(nodes, [self.read(each) for each in nodes], "added")
             case Product():
                 return self._product(node)
             case Power():
@@ -158,20 +159,10 @@ class _Reader:
             case Call():
                 return self._call(node)
 
-    def _alike(self, nodes: list[Node], verb: str) -> Kind:
-        kinds = [self.read(each) for each in nodes]
-        total = kinds[0]
-        for node, kind in zip(nodes[1:], kinds[1:], strict=True):
-            if not total.agrees(kind):
-                _refuse(node, f"{kind} is {verb} to {total}")
-            if not kind.literal and (total.literal or not total.known):
-                total = kind
-        return total
-
     def _vector(self, node: Vector) -> Kind:
         if len(node.entries) not in (2, 3):
             _refuse(node, f"a vector of {len(node.entries)}; vectors here have 2 or 3 entries")
-        kind = self._alike(list(node.entries), "joined")
+        kind = _alike(node.entries, [self.read(each) for each in node.entries], "joined")
         if kind.known and kind.size:
             _refuse(node, "a vector inside a vector")
         return replace(kind, size=len(node.entries))
@@ -223,7 +214,7 @@ class _Reader:
                 return Kind(kinds[0].dimension ** Fraction(1, 2), 0, literal)
             case "atan2":
                 self._scalar(node, kinds)
-                self._alike(list(node.arguments), "compared")
+                _alike(node.arguments, kinds, "compared")
                 return Kind(literal=literal)
             case _:
                 self._scalar(node, kinds)
@@ -245,6 +236,17 @@ class _Reader:
     def _scalar(node: Call, kinds: list[Kind]) -> None:
         if any(kind.size for kind in kinds):
             _refuse(node, f"`{node.function}` takes a scalar, not a vector")
+
+
+def _alike(nodes: tuple[Node, ...], kinds: list[Kind], verb: str) -> Kind:
+    """Give the kind that values have in common: that of those which are no literals."""
+    total = kinds[0]
+    for node, kind in zip(nodes[1:], kinds[1:], strict=True):
+        if not total.agrees(kind):
+            _refuse(node, f"{kind} is {verb} to {total}")
+        if not kind.literal and (total.literal or not total.known):
+            total = kind
+    return total
 
 
 def _refuse(node: Node, message: str) -> NoReturn:

@@ -31,8 +31,8 @@ def section(design: Design) -> Section:
                     "The achieved poles are computed again from the finished gains, as the finite eigenvalues of the "
                     "whole pencil (19), (20); the reduced equation (38) on ",
                     Math("ker J"),
-                    f" gives the same to {number(disagreement, 2)}. Largest deviation from those requested, relative "
-                    f"to the largest: {number(design.residual, 2)}.",
+                    f" gives the same to {number(disagreement, 2)}. Largest deviation of a pole from the one asked, "
+                    f"relative to it: {number(design.residual, 2)}.",
                 )
             ),
         ),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -72,4 +73,5 @@ class _Version(argparse.Action):
     def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
         from importlib.metadata import version
 
-        parser.exit(message=f"firmtouch {version('firmtouch')}\n")
+        sys.stdout.write(f"firmtouch {version('firmtouch')}\n")
+        parser.exit()

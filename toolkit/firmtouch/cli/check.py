@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from firmtouch.cli import GOOD, NO, WRONG
-from firmtouch.cli.console import results_console, talk_console, working
+from firmtouch.cli.console import results_console, working
 from firmtouch.errors import InputError
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ def run(arguments: argparse.Namespace) -> int:
             with working(f"checking {path}"):
                 report = _check(path)
         except InputError as error:
-            talk_console().print(str(error), markup=False, highlight=False, soft_wrap=True)
+            sys.stderr.write(f"{error}\n")
             told.append({"model": str(path), "error": str(error)})
             code = WRONG
             continue
@@ -55,7 +55,7 @@ def _print(report: CheckReport, path: Path) -> None:
     from rich.table import Table
     from rich.text import Text
 
-    table = Table(title=f"{path}", title_justify="left", box=None, pad_edge=False, header_style="bold")
+    table = Table(title=Text(str(path)), title_justify="left", box=None, pad_edge=False, header_style="bold")
     for heading in ("", "check", "figure", "bound", "found"):
         table.add_column(heading, justify="right" if heading == "figure" else "left", overflow="fold")
     for each in report.results:

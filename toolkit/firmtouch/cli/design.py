@@ -19,12 +19,12 @@ if TYPE_CHECKING:
 def run(arguments: argparse.Namespace) -> int:
     """Design, write the files, and print the verdict."""
     from firmtouch.modelfile import read_model
-    from firmtouch.report import verdict, write_files
 
     with working(f"reading {arguments.model}") as progress:
         model = read_model(arguments.model)
         progress("loading the design tools")
         from firmtouch.design import design_model
+        from firmtouch.report import verdict, write_files
 
         design = design_model(model, progress)
         contents = _contents(design, progress, pdf=not arguments.no_pdf)
@@ -35,9 +35,10 @@ def run(arguments: argparse.Namespace) -> int:
         sys.stdout.write(contents["design.json"].decode())
         return GOOD
     console = results_console()
-    console.print(verdict(design), markup=False)
+    console.print(verdict(design), markup=False, soft_wrap=not console.is_terminal)
     for warning in design.warnings:
-        talk_console().print(f"warning: {warning}", style="yellow", markup=False)
+        talk = talk_console()
+        talk.print(f"warning: {warning}", style="yellow", markup=False, soft_wrap=not talk.is_terminal)
     for path in paths:
         console.print(f"  {path}", markup=False, soft_wrap=True)
     return GOOD

@@ -20,16 +20,17 @@ def number(value: float, figures: int = 4) -> str:
         return "∞" if value > 0 else "−∞" if value < 0 else "not a number"
     if value == 0:
         return "0"
-    exponent = math.floor(math.log10(abs(value)))
+    mantissa, _, power = f"{value:.{figures - 1}e}".partition("e")  # after rounding: 99999.6 counts as 1e5
+    exponent = int(power)
     if -3 <= exponent < 5:
-        decimals = max(figures - 1 - exponent, 0)
-        text = f"{value:.{decimals}f}"
-        text = text.rstrip("0").rstrip(".") if "." in text else text
+        text = _without_zeros(f"{value:.{max(figures - 1 - exponent, 0)}f}")
     else:
-        mantissa, _, power = f"{value:.{figures - 1}e}".partition("e")
-        mantissa = mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa
-        text = f"{mantissa}×10{str(int(power)).translate(_SUPERSCRIPTS)}"
+        text = f"{_without_zeros(mantissa)}×10{str(exponent).translate(_SUPERSCRIPTS)}"
     return text.replace("-", "−")
+
+
+def _without_zeros(text: str) -> str:
+    return text.rstrip("0").rstrip(".") if "." in text else text
 
 
 def complex_number(value: complex, figures: int = 4) -> str:

@@ -7,7 +7,7 @@ SOURCE := $(shell find toolkit -name '*.py')
 # Matrices here are small: a second thread for each costs more than it gives.
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: design test test-slow lint benchmark lock clean
+.PHONY: design test test-slow lint benchmark samples lock clean
 
 design: .venv/package
 	$(BIN)/firmtouch design $(MODEL)
@@ -26,6 +26,12 @@ lint: .venv/test
 
 benchmark: .venv/test
 	$(BIN)/python -m tests.benchmarks
+
+# The two finished reports that the repository keeps.
+samples: .venv/package
+	for model in planar_2r_wall two_arms_bar; do \
+	    $(BIN)/firmtouch design models/$$model.yaml --out reports/samples/$$model || exit 1; \
+	done
 
 # The three stamps: the environment, the package compiled in it, and the test extras.
 .venv/core: requirements.lock

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Callable
-from pathlib import Path
 
 DESCRIPTION = (
     "Feedback gains for mechanisms that press on surfaces: position and contact force, with poles, errors and a report."
@@ -27,8 +26,8 @@ def build_parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
 
     design = commands.add_parser("design", help="find gains for a model, and write a report", description=_DESIGN)
-    design.add_argument("model", type=Path, metavar="MODEL", help="a model file (YAML)")
-    design.add_argument("--out", type=Path, metavar="DIR", help="where to write (default: reports/<model>)")
+    design.add_argument("model", metavar="MODEL", help="a model file (YAML)")
+    design.add_argument("--out", metavar="DIR", help="where to write (default: reports/<model>)")
     design.add_argument("--json", action="store_true", help="print design.json on stdout instead of words")
     design.add_argument("--no-pdf", action="store_true", help="leave out report.pdf")
     design.set_defaults(run=_command("design"))
@@ -36,7 +35,7 @@ def build_parser() -> argparse.ArgumentParser:
     check = commands.add_parser(
         "check", help="check models: constraints, inertia, derivatives, energy", description=_CHECK
     )
-    check.add_argument("models", type=Path, nargs="+", metavar="MODEL", help="model files (YAML)")
+    check.add_argument("models", nargs="+", metavar="MODEL", help="model files (YAML)")
     check.add_argument("--json", action="store_true", help="print JSON on stdout instead of tables")
     check.set_defaults(run=_command("check"))
 

@@ -22,7 +22,7 @@ SCHEMA = "firmtouch.check/1"
 def run(arguments: argparse.Namespace) -> int:
     """Check every model; one that cannot be read stops no other."""
     code, told = GOOD, []
-    for path in arguments.models:
+    for path in map(Path, arguments.models):
         try:
             with working(f"checking {path}"):
                 report = _check(path)

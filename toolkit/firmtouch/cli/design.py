@@ -28,7 +28,7 @@ def run(arguments: argparse.Namespace) -> int:
 
         design = design_model(model, progress)
         contents = _contents(design, progress, pdf=not arguments.no_pdf)
-        folder = arguments.out if arguments.out is not None else Path("reports") / model.name
+        folder = Path(arguments.out) if arguments.out is not None else Path("reports") / model.name
         progress("writing")
         paths = write_files(folder, contents)
     if arguments.json:

@@ -55,16 +55,17 @@ def read_model(path: Path | str) -> ModelFile:
 def parse_model(content: bytes, *, name: str, file: str | None = None) -> ModelFile:
     """Check the bytes of a model file; `file` is its name in messages."""
     document = read_yaml(content, file or name)
+    errors: list[ErrorDetails] = []
     try:
         spec = ModelSpec.model_validate(document.data, context=declarations(document.data))
     except ValidationError as error:
-        raise ModelFileError(_diagnostics(error, document)) from None
-    if document.mistakes:
-        raise ModelFileError(document.mistakes)
+        errors = error.errors(include_url=False)
+    if errors or document.mistakes:
+        raise ModelFileError(_diagnostics(errors, document))
     return ModelFile(name, hashlib.sha256(content).hexdigest(), spec)
 
 
-def _diagnostics(error: ValidationError, document: Document) -> tuple[Diagnostic, ...]:
+def _diagnostics(errors: list[ErrorDetails], document: Document) -> tuple[Diagnostic, ...]:
     """Locate all mistakes, those of YAML too, and word the first hundred.
 
     A value that YAML's reading refused already is now missing, which deserves no second message.
@@ -73,7 +74,7 @@ def _diagnostics(error: ValidationError, document: Document) -> tuple[Diagnostic
     located = [(*place, problem) for place, problem in refused.items()]
     located += [
         (line, column, problem)
-        for details in error.errors(include_url=False)
+        for details in errors
         for line, column, problem in _located(details, document)
         if (line, column) not in refused
     ]

@@ -1,0 +1,32 @@
+"""The reports that the repository keeps are those that it makes."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import firmtouch
+from firmtouch.report import design_as_json
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.mark.parametrize("name", ["planar_2r_wall", "two_arms_bar"])
+def test_a_kept_sample_is_the_design_of_its_model(name):
+    kept = json.loads((ROOT / "reports" / "samples" / name / "design.json").read_text(encoding="utf-8"))
+    made = design_as_json(firmtouch.design_model(firmtouch.read_model(ROOT / "models" / f"{name}.yaml")))
+    assert kept["model"] == made["model"]
+    for key, value in made["operating_point"].items():
+        # Newton's method ends at rounding; another machine's BLAS may round otherwise.
+        np.testing.assert_allclose(kept["operating_point"][key], value, atol=1e-9)
+    for key, value in made["gains"].items():
+        # The mode shapes come from a minimisation, which stops where the norm of W changes by less than 1e-5 of it.
+        np.testing.assert_allclose(kept["gains"][key], value, atol=1e-3 * np.abs(np.array(value)).max())
+
+
+@pytest.mark.parametrize("name", ["planar_2r_wall", "two_arms_bar"])
+def test_a_kept_sample_is_whole(name):
+    folder = ROOT / "reports" / "samples" / name
+    assert (folder / "report.html").read_text(encoding="utf-8").rstrip().endswith("</html>")
+    assert (folder / "report.pdf").read_bytes().rstrip().endswith(b"%%EOF")

@@ -21,11 +21,8 @@ def section(design: Design) -> Section:
                 "These predictions are exact in first order.",
             )
         ),
-        Equation(
-            "delta q = T d, quad delta lambda = -Lambda (J K^(-1) J^T)^(-1) J K^(-1) d, "
-            "quad T = V_2 K_22^(-1) V_2^T, quad Lambda = (I + G_f)^(-1)",
-            "(25), (26)",
-        ),
+        Equation("delta q = T d, quad delta lambda = -Lambda (J K^(-1) J^T)^(-1) J K^(-1) d", "(25), (26)"),
+        Equation("T = V_2 K_22^(-1) V_2^T, quad Lambda = (I + G_f)^(-1)"),
         Equation(
             "delta q = K^(-1) J^T (J K^(-1) J^T)^(-1) Delta, quad delta lambda = Lambda (J K^(-1) J^T)^(-1) Delta",
             "(31), (32)",

@@ -128,7 +128,8 @@ def _groups(s: SymbolicPlant) -> Iterator[_Group]:
     yield group("Constraint Jacobian", "J(q)", _rectangle("J", s.J))
     yield group("Hessian of the potential", "P_(q q)(q)", _upper("P_(q q)", s.P_qq))
     for name, hessian in zip(phi, s.Phi_qq, strict=True):
-        yield group("Constraint Hessian", f"{name}''(q)", _upper(f"{name}''", hessian))
+        second = name.replace("phi", "phi''", 1)
+        yield group("Constraint Hessian", f"{second}(q)", _upper(second, hessian))
 
 
 def _upper(name: str, matrix: Any) -> Iterator[tuple[str, Any]]:  # noqa: ANN401  # SymPy has no types

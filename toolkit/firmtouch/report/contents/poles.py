@@ -14,11 +14,8 @@ def section(design: Design) -> Section:
     return Section(
         "Poles",
         (
-            Equation(
-                "M dot.double(delta q) + C dot(delta q) + K delta q = J^T (I + G_f) delta lambda, quad J delta q = 0, "
-                "quad K = W + N_0",
-                "(19), (20)",
-            ),
+            Equation("M dot.double(delta q) + C dot(delta q) + K delta q = J^T (I + G_f) delta lambda", "(19)"),
+            Equation("J delta q = 0, quad K = W + N_0", "(20)"),
             _table(design),
             Figure(
                 s_plane(design.achieved, design.requested),

@@ -16,7 +16,8 @@ def section(design: Design) -> Section:
     return Section(
         "Positivity",
         (
-            Equation("K = W + P_(q q)(q_d) - sum_j lambda_(d j) phi''_j (q_d) > 0, quad C > 0, quad W > 0", "(14)"),
+            Equation("K = W + P_(q q)(q_d) - sum_j lambda_(d j) phi''_j (q_d) > 0", "(14)"),
+            Equation("C > 0, quad W > 0"),
             Paragraph(
                 (
                     "These conditions (Theorem 1, Corollary 2) make the closed loop locally asymptotically stable. "

@@ -1,40 +1,77 @@
-"""`firmtouch new`: a model file that works as it is, and is never written over another."""
+"""`firmtouch new`: a model file to start from, which works as it is and replaces nothing."""
 
 import pytest
+from ruamel.yaml import YAML
 
 from firmtouch.cli import main
+from firmtouch.modelfile import read_model
 
 
 @pytest.fixture(autouse=True)
-def in_a_folder_of_its_own(tmp_path, monkeypatch):
+def in_an_empty_folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
+    return tmp_path
 
 
-def test_the_file_that_is_written_passes_every_check_and_gives_a_design(tmp_path, capsys):
+def test_the_file_that_is_written_passes_its_checks(capsys, tmp_path):
     assert main(["new", "polisher"]) == 0
-    assert "polisher.yaml" in capsys.readouterr().out
+    told = capsys.readouterr()
+    assert told.out == "wrote polisher.yaml\n"
+    assert told.err == "next: firmtouch check polisher.yaml && firmtouch design polisher.yaml\n"
     assert main(["check", "polisher.yaml"]) == 0
-    assert main(["design", "polisher.yaml", "--no-pdf"]) == 0
-    assert (tmp_path / "reports" / "polisher" / "report.html").exists()
+    assert "checks hold" in capsys.readouterr().out
+    text = (tmp_path / "polisher.yaml").read_text()
+    assert "firmtouch check polisher.yaml && firmtouch design polisher.yaml" in text
+    assert sum("#" in line for line in text.splitlines()) > 10  # it is there to be read
 
 
-@pytest.mark.parametrize("name", ["polisher.yaml", "a b", "it's: #1", '"quoted"', "ünï-code_2", "-{braces}"])
-def test_odd_names_give_files_that_read(name, tmp_path, capsys):
-    assert main(["new", "--", name]) == 0
+def test_the_file_that_is_written_can_be_designed(tmp_path):
+    assert main(["new", "polisher"]) == 0
+    assert main(["design", "polisher.yaml", "--no-pdf", "--out", str(tmp_path / "report")]) == 0
+    assert (tmp_path / "report" / "design.json").exists()
+
+
+def test_nothing_is_ever_overwritten(capsys, tmp_path):
+    (tmp_path / "mine.yaml").write_text("my work")
+    assert main(["new", "mine"]) == 2
+    assert capsys.readouterr().err == "mine.yaml exists already, and is left as it is\n"
+    assert main(["new", "mine.yaml"]) == 2
+    assert (tmp_path / "mine.yaml").read_text() == "my work"
+    (tmp_path / "link.yaml").symlink_to(tmp_path / "elsewhere")
+    assert main(["new", "link"]) == 2
+    assert not (tmp_path / "elsewhere").exists()
+
+
+@pytest.mark.parametrize(
+    ("name", "title"),
+    [
+        ("polisher.yaml", "Polisher"),
+        ("left_arm-2", "Left arm 2"),
+        ("with blanks", "With blanks"),
+        ('quo"te', 'Quo"te'),
+        ("back\\slash", "Back\\slash"),
+        ("{brace}", "{brace}"),
+        ("a: b # c", "A: b # c"),
+        ("ärmchen", "Ärmchen"),
+        ("_", "Model"),
+    ],
+)
+def test_any_name_gives_a_file_that_can_be_read(name, title, tmp_path):
+    assert main(["new", name]) == 0
     (path,) = tmp_path.glob("*.yaml")
-    assert path.name == name.removesuffix(".yaml") + ".yaml"
-    capsys.readouterr()
-    assert main(["check", "--", str(path)]) == 0
+    assert read_model(path).spec.title == title
+    assert YAML(typ="safe", pure=True).load(path.read_text(encoding="utf-8"))["title"] == title
 
 
-def test_an_existing_file_is_left_as_it_is(tmp_path, capsys):
-    (tmp_path / "polisher.yaml").write_text("mine", encoding="utf-8")
-    assert main(["new", "polisher"]) == 2
-    assert (tmp_path / "polisher.yaml").read_text(encoding="utf-8") == "mine"
-    assert "exists already" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize("name", ["", ".yaml", "no/such/folder/model"])
-def test_a_name_that_cannot_be_written_is_a_wrong_question(name, capsys):
+@pytest.mark.parametrize("name", ["", ".yaml", " ", "a\nb", "a\x1b[31mb", "a\x00b", "a\udcffb"])
+def test_a_name_that_is_none_is_a_wrong_question(capsys, name, tmp_path):
     assert main(["new", name]) == 2
-    assert capsys.readouterr().err
+    assert capsys.readouterr().err == "a name was expected, such as `polisher`\n"
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_place_that_cannot_be_written_is_told(capsys):
+    assert main(["new", "no/such/folder"]) == 2
+    assert capsys.readouterr().err == "no/such/folder.yaml: cannot be written (No such file or directory)\n"
+    assert main(["new", "x" * 300]) == 2
+    assert "cannot be written (File name too long)" in capsys.readouterr().err

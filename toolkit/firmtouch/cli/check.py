@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import os
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -55,7 +56,8 @@ def _print(report: CheckReport, path: Path) -> None:
     from rich.table import Table
     from rich.text import Text
 
-    table = Table(title=Text(str(path)), title_justify="left", box=None, pad_edge=False, header_style="bold")
+    title = Text(os.fsencode(path).decode(errors="replace"))  # a path may hold bytes that are no text
+    table = Table(title=title, title_justify="left", box=None, pad_edge=False, header_style="bold")
     for heading in ("", "check", "figure", "bound", "found"):
         table.add_column(heading, justify="right" if heading == "figure" else "left", overflow="fold")
     for each in report.results:

@@ -15,7 +15,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     name = arguments.name.removesuffix(".yaml")
     path = Path(f"{name}.yaml")
-    if not path.name.removesuffix(".yaml").strip():
+    if not path.name.removesuffix(".yaml").strip() or not name.isprintable():
         raise InputError("a name was expected, such as `polisher`")
     try:
         with path.open("x", encoding="utf-8") as file:

@@ -82,8 +82,8 @@ class Declarations:
         """The kinds of the multipliers: energy by constraint."""
         return {name: Kind(JOULE / kind.dimension, known=kind.known) for name, kind in self.constraints.items()}
 
-    def check(self, tree: Node, *, velocities: bool = False) -> Kind:
-        """Find an expression's kind, and refuse one that grows beyond bounds when its definitions are written out."""
+    def check(self, tree: Node, *, velocities: bool = False) -> tuple[Kind, Extent]:
+        """Find an expression's kind and its extent, and refuse one that grows beyond bounds."""
         kind = kind_of(tree, names=self.names, rates=self.rates if velocities else {}, hidden=self.hidden)
         extent = self.extent(tree)
         if extent.nodes > LARGEST_EXPANSION or extent.depth > DEEPEST_EXPANSION:
@@ -92,7 +92,7 @@ class Declarations:
                 f"at most {LARGEST_EXPANSION}, {DEEPEST_EXPANSION} deep, are read"
             )
             raise ExpressionError(Problem(message, tree.at))
-        return kind
+        return kind, extent
 
     def extent(self, tree: Node) -> Extent:
         """Measure a tree with its definitions written out."""
@@ -120,8 +120,7 @@ def declarations(data: Mapping[str, Any]) -> Declarations:
 
 def _definition(raw: object, known: Declarations) -> tuple[Kind, Extent]:
     try:
-        tree = parse_entry(raw)
-        return known.check(tree), known.extent(tree)
+        return known.check(parse_entry(raw))
     except ExpressionError:
         return UNKNOWN, Extent(1, 1)
 

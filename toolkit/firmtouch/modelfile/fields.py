@@ -260,7 +260,7 @@ def read_expression(
         read_all(enumerate(raw), lambda _, each: read_expression(each, known, velocities=velocities))
     try:
         tree = parse_entry(raw)
-        kind = known.check(tree, velocities=velocities)
+        kind, extent = known.check(tree, velocities=velocities)
     except ExpressionError as error:
         refuse(*error.problems)
     if kind.known and kind.size not in sizes:
@@ -269,7 +269,7 @@ def read_expression(
         wanted = "a plain number or an angle" if unit == "1" else parse_unit(unit).dimension
         refuse(Problem(f"this is in {kind.dimension}, but {wanted} was expected"))
     text = raw if isinstance(raw, str) else str(raw).replace("'", "")
-    return Expression(" ".join(text.split()), tree, kind, known.extent(tree))
+    return Expression(" ".join(text.split()), tree, kind, extent)
 
 
 def listed(words: Iterable[str], most: int = 12) -> str:

@@ -47,8 +47,9 @@ def read_model(path: Path | str) -> ModelFile:
     try:
         with path.open("rb") as file:
             content = file.read(LARGEST + 1)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror or error})") from error
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) else None
+        raise InputError(f"{path}: cannot be read ({reason or error})") from error
     return parse_model(content, name=path.stem, file=str(path))
 
 

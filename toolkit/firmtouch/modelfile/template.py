@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 TEMPLATE = """\
 # A model file of firmtouch. It works as it is:  firmtouch check {name}.yaml && firmtouch design {name}.yaml
 # Quantities are written with a unit (0.6 m, 70 deg, 40 N); a bare number is in SI.
@@ -87,4 +89,5 @@ drawing:
 def model_template(name: str) -> str:
     """Give the text of a commented model file."""
     title = " ".join(name.replace("_", " ").replace("-", " ").split()).capitalize() or "Model"
-    return TEMPLATE.format(name=name, title=f'"{title.replace(chr(34), "")}"')
+    # A JSON string is a YAML string, whatever the name holds.
+    return TEMPLATE.format(name=name, title=json.dumps(title, ensure_ascii=False))

@@ -112,7 +112,9 @@ def test_a_title_with_brackets_is_no_markup(capsys, write):
     assert "[red]:100:.yaml" in out
 
 
-@pytest.mark.parametrize("content", [b"", b"\x89PNG\r\n\x1a\n\x00\x00", b"- a\n", b"a: [", b"a: !!python/object:os.system x"])
+@pytest.mark.parametrize(
+    "content", [b"", b"\x89PNG\r\n\x1a\n\x00\x00", b"- a\n", b"a: [", b"a: !!python/object:os.system x"]
+)
 def test_what_is_no_model_file_is_refused_with_exit_code_2(capsys, tmp_path, content):
     path = tmp_path / "made.yaml"
     path.write_bytes(content)

@@ -14,9 +14,9 @@ from pydantic_core import ErrorDetails
 from firmtouch.errors import Diagnostic, InputError, ModelFileError
 from firmtouch.modelfile.declarations import declarations
 from firmtouch.modelfile.expression import Problem
-from firmtouch.modelfile.fields import listed, problems_of
+from firmtouch.modelfile.fields import problems_of
 from firmtouch.modelfile.specification import ModelSpec
-from firmtouch.modelfile.words import shown
+from firmtouch.modelfile.words import listed, shown
 from firmtouch.modelfile.yamltext import LARGEST, Document, read_yaml
 
 MOST_MISTAKES: Final = 100

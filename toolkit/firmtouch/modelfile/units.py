@@ -55,6 +55,10 @@ class Dimension:
         parts = [unit if e == 1 else f"{unit}^{e}" for unit, e in zip(BASE, self.exponents, strict=True) if e]
         return " ".join(parts) or "1"
 
+    def in_words(self) -> str:
+        """Say it in a message: `in m`, or `a plain number`."""
+        return "a plain number" if self == DIMENSIONLESS else f"in {self}"
+
 
 @dataclass(frozen=True, slots=True)
 class Unit:

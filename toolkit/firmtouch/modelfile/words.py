@@ -23,3 +23,10 @@ def shown(text: str, limit: int = 40) -> str:
     start = text[: limit + 1]
     clean = "".join(each if each.isprintable() else "\N{REPLACEMENT CHARACTER}" for each in start)
     return f"`{clean}`" if len(clean) <= limit else f"`{clean[: limit - 1]}…`"
+
+
+def listed(words: Iterable[str], most: int = 12) -> str:
+    """Join words with commas, and count those that are too many to name."""
+    words = list(words)
+    more = f" and {len(words) - most} more" if len(words) > most else ""
+    return ", ".join(words[:most]) + more

@@ -25,7 +25,7 @@ class Constraint(Section):
         expect_si(self.unit)
         kind = self.expression.kind
         if not kind.fits(parse_unit(self.unit).dimension):
-            refuse(Problem(f"phi is in {kind.dimension}, but its `unit` is {self.unit}", path=("expression",)))
+            refuse(Problem(f"phi is {kind.dimension.in_words()}, but its `unit` is {self.unit}", path=("expression",)))
         known = declared(info)
         if not self.expression.names & {*known.coordinates, *known.definitions}:
             refuse(Problem("a constraint in which no coordinate stands", path=("expression",)))

@@ -374,11 +374,14 @@ def test_a_definition_that_grows_without_bound_is_refused_once():
 
 
 def test_a_control_character_never_reaches_the_terminal():
-    hostile = '"\\e[31m\\u202e\\ud800"'
+    hostile = '"tip\\e[31m\\u202e\\ud800"'
     for old, new in (
         ("q2: rad", f"q2: {hostile}"),
         ("    wall: tip", f"    {hostile}: tip"),
         ("[-6, -8]", f"[{hostile}]"),
+        ("  tip: elbow", f"  {hostile}: elbow"),  # declared, and then the nearest name to `tip`
+        ("  wall: {expression", f"  {hostile}: {{expression"),
+        ("q2: rad", 'q2: "k\n\n  m"'),
     ):
         for line in told(changed(old, new)):
             assert line.isprintable()

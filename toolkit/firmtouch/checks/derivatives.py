@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from firmtouch.checks.growth import expressions, second_derivatives
 from firmtouch.checks.inertia import ROUNDING
 from firmtouch.checks.result import CheckResult, at_most, largest, told
 from firmtouch.checks.subject import Subject, relative
 from firmtouch.mechanics import Array
 from firmtouch.mechanics.arrays import call
-from firmtouch.modelfile import Expression
 from firmtouch.modelfile.expression.functions import SCALAR
-from firmtouch.modelfile.sections.section import Section
 
 if TYPE_CHECKING:
     from firmtouch.mechanics.symbolic import SymbolicPlant
@@ -23,11 +22,11 @@ if TYPE_CHECKING:
 STEP: Final = 1e-5
 DIFFERENCES: Final = 1e-6
 """Central differences with step 1e-5 are good to 1e-10 of third derivatives and 1e-11 of rounding over the step."""
-LARGEST_SYMBOLIC: Final = 4000
-"""CasADi operations beyond which SymPy would take more than two or three seconds (measured: 0.7 ms for each)."""
-LONGEST_SYMBOLIC: Final = 6000
-"""The same for operations as written out, times coordinates: SymPy does not share what CasADi computes once."""
-DEEPEST_SYMBOLIC: Final = 20
+LARGEST_COMPUTED: Final = 3000
+"""CasADi operations beyond which SymPy takes more than two seconds (measured: 0.7 ms for each)."""
+LARGEST_WRITTEN: Final = 100_000
+"""The same for second derivatives as they are written out, times coordinates (measured: 10 us for each node)."""
+DEEPEST_WRITTEN: Final = 20
 """Beyond this nesting SymPy's questions about signs take exponential time; an arm of six links is 14 deep."""
 
 
@@ -71,26 +70,12 @@ def derivations_agree(subject: Subject, symbolic: SymbolicPlant | None) -> Check
 
 
 def worth_comparing(subject: Subject) -> bool:
-    """Tell whether SymPy can derive this model in two or three seconds."""
-    plant = subject.plant
+    """Tell whether SymPy can derive this model in two seconds."""
+    plant, spec = subject.plant, subject.plant.spec
     computed = sum(plant.functions[name].n_instructions() for name in ("theta", "M", "Phi_qq", "P_qq"))
-    extents = [each.extent for each in _expressions((plant.spec.mechanism, plant.spec.constraints))]
-    written, deepest = sum(each.nodes for each in extents), max(each.depth for each in extents)
-    return computed <= LARGEST_SYMBOLIC and plant.n * written <= LONGEST_SYMBOLIC and deepest <= DEEPEST_SYMBOLIC
-
-
-def _expressions(part: object) -> Iterator[Expression]:
-    """Find the expressions of a part of the specification."""
-    match part:
-        case Expression():
-            yield part
-        case Section():
-            yield from _expressions([value for _, value in part])
-        case Mapping():
-            yield from _expressions(list(part.values()))
-        case tuple() | list():
-            for each in part:
-                yield from _expressions(each)
+    deepest = max(each.extent.depth for each in expressions((spec.mechanism, spec.constraints)))
+    written = plant.n * second_derivatives(spec)
+    return computed <= LARGEST_COMPUTED and deepest <= DEEPEST_WRITTEN and written <= LARGEST_WRITTEN
 
 
 def _pairs(subject: Subject, symbolic: SymbolicPlant, q: Array, qdot: Array) -> dict[str, tuple[Array, Array]]:

@@ -114,7 +114,7 @@ def parse_unit(text: str) -> Unit:
         at = match.end()
     if not (math.isfinite(factor) and factor > 0):
         raise UnitError(f"{shown(text)} has no finite factor to SI")
-    return Unit(written.strip(), factor, dimension)
+    return Unit(" ".join(written.split()), factor, dimension)
 
 
 def _power(scale: float, power: int) -> float:

@@ -1,0 +1,66 @@
+"""How large derivatives grow when they are written out: SymPy shares nothing that it writes twice."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from firmtouch.modelfile import Expression, ModelSpec
+from firmtouch.modelfile.expression import Call, Name, Node, Number, Power, Product, Rate, Sum, Vector
+from firmtouch.modelfile.expression.tree import children
+from firmtouch.modelfile.sections.section import Section
+
+
+@dataclass(frozen=True, slots=True)
+class Size:
+    """Nodes of an expression, and of its first and second derivative by one variable."""
+
+    value: int
+    first: int = 0
+    second: int = 0
+
+
+def second_derivatives(spec: ModelSpec) -> int:
+    """Add up the second derivatives of a mechanism and its constraints, each by one variable."""
+    known = {name: Size(1, 1) for name in spec.coordinates}
+    for name, expression in spec.definitions.items():
+        known[name] = size_of(expression.tree, known)
+    return sum(size_of(each.tree, known).second for each in expressions((spec.mechanism, spec.constraints)))
+
+
+def size_of(node: Node, known: Mapping[str, Size]) -> Size:
+    """Measure an expression; names that are not known are constants."""
+    parts = [size_of(each, known) for each in children(node)]
+    written = 1 + sum(each.value for each in parts)
+    moving = [each for each in parts if each.first]
+    k, first = len(moving), sum(each.first for each in moving)
+    seconds = [each.second for each in moving if each.second]
+    match node:
+        case Number():
+            return Size(1)
+        case Name(name=name):
+            return known.get(name, Size(1))
+        case Rate():
+            return Size(1, 1)
+        case Sum() | Vector():
+            return Size(written, first, sum(seconds))
+        case Product():  # each of k factors in turn is replaced by its derivative, then each of the others
+            both = k * (k - 1) * written + 2 * (k - 1) * first
+            return Size(written, first + k * written, sum(seconds) + len(seconds) * written + both)
+        case Power() | Call():  # the outer derivative keeps the size of the function
+            both = k * k * written + 2 * k * first
+            return Size(written, first + k * written, sum(seconds) + len(seconds) * written + both)
+
+
+def expressions(part: object) -> Iterator[Expression]:
+    """Find the expressions of a part of the specification."""
+    match part:
+        case Expression():
+            yield part
+        case Section():
+            yield from expressions([value for _, value in part])
+        case Mapping():
+            yield from expressions(list(part.values()))
+        case tuple() | list():
+            for each in part:
+                yield from expressions(each)

@@ -14,7 +14,7 @@ from firmtouch.report.document import Equation, Math
 
 SIZE: Final = 11.0
 """Font size in points, at which the formulas are set; HTML scales them with its text."""
-WIDEST: Final = 230.0
+WIDEST: Final = 300.0
 """Displayed formulas that are wider (in points) break their lines, so that they can be read on a phone."""
 
 _HEAD: Final = f"""

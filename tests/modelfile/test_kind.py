@@ -1,5 +1,7 @@
 """Dimensions and sizes of expressions, found without evaluating them."""
 
+import time
+
 import pytest
 
 from firmtouch.modelfile.expression import ExpressionError, Kind, kind_of, parse
@@ -152,6 +154,20 @@ def test_what_does_not_go_together_is_refused_at_its_place(text, offset, words):
     (found,) = problems(text)
     assert words in found.message
     assert found.offset == offset
+
+
+def test_every_node_is_read_once_however_deep_it_stands():
+    start = time.process_time()
+    for nested in ("atan2(1, {})", "atan2({}, 2)", "2**({})", "1/({})", "inner([{}, 1], [1, 2])", "norm([1, {}])"):
+        text = "q"
+        for _ in range(18):
+            text = nested.format(text)
+        if not text.startswith("2**"):
+            kind(text)
+            continue
+        with pytest.raises(ExpressionError, match="exponent"):
+            kind(text.replace("q", "2"))
+    assert time.process_time() - start < 1.0  # some milliseconds; reading arguments twice would take minutes
 
 
 def test_undeclared_names_are_reported_together_once_each_and_with_a_suggestion():

@@ -30,11 +30,6 @@ def second_derivatives(spec: ModelSpec) -> int:
 
 def size_of(node: Node, known: Mapping[str, Size]) -> Size:
     """Measure an expression; names that are not known are constants."""
-    parts = [size_of(each, known) for each in children(node)]
-    written = 1 + sum(each.value for each in parts)
-    moving = [each for each in parts if each.first]
-    k, first = len(moving), sum(each.first for each in moving)
-    seconds = [each.second for each in moving if each.second]
     match node:
         case Number():
             return Size(1)
@@ -43,13 +38,33 @@ def size_of(node: Node, known: Mapping[str, Size]) -> Size:
         case Rate():
             return Size(1, 1)
         case Sum() | Vector():
-            return Size(written, first, sum(seconds))
-        case Product():  # each of k factors in turn is replaced by its derivative, then each of the others
-            both = k * (k - 1) * written + 2 * (k - 1) * first
-            return Size(written, first + k * written, sum(seconds) + len(seconds) * written + both)
-        case Power() | Call():  # the outer derivative keeps the size of the function
-            both = k * k * written + 2 * k * first
-            return Size(written, first + k * written, sum(seconds) + len(seconds) * written + both)
+            parts = [size_of(each, known) for each in children(node)]
+            return Size(_written(parts), sum(each.first for each in parts), sum(each.second for each in parts))
+        case Product(factors=factors):
+            sizes = [(divides, size_of(each, known)) for divides, each in factors]
+            return _product([_function([size]) if divides else size for divides, size in sizes])
+        case Power() | Call():
+            return _function([size_of(each, known) for each in children(node)])
+
+
+def _written(parts: list[Size]) -> int:
+    return 1 + sum(each.value for each in parts)
+
+
+def _product(parts: list[Size]) -> Size:
+    """Replace each of k factors in turn by its derivative, and then each of the others by its own."""
+    written, moving = _written(parts), [each for each in parts if each.first]
+    k, first, seconds = len(moving), sum(each.first for each in moving), [each.second for each in moving if each.second]
+    pairs = k * (k - 1) * written + 2 * (k - 1) * first
+    return Size(written, first + k * written, sum(seconds) + len(seconds) * written + pairs)
+
+
+def _function(parts: list[Size]) -> Size:
+    """Differentiate by the chain rule; the outer derivatives are about as large as the function."""
+    written, moving = _written(parts), [each for each in parts if each.first]
+    k, first, seconds = len(moving), sum(each.first for each in moving), [each.second for each in moving if each.second]
+    pairs = k * k * written + 2 * k * first
+    return Size(written, first + k * written, sum(seconds) + len(seconds) * written + pairs)
 
 
 def expressions(part: object) -> Iterator[Expression]:

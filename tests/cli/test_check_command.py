@@ -88,12 +88,11 @@ def test_mistakes_in_a_file_go_to_stderr_with_exit_code_2(capsys, write):
     code, out, err = check(capsys, path)
     assert code == 2
     assert out == ""
-    mass, design, pole = (line_of(path, each) for each in ("kgg", "design:", "pole:"))
+    mass, pole = (line_of(path, each) for each in ("kgg", "pole:"))
     assert err.splitlines() == [
         f"{path}:{mass}:18: `kgg` is no unit; did you mean `kg`?",
-        f"{path}:{design}:1: `poles` is missing here",
-        f"{path}:{pole}:3: unknown key `pole`; there are: method, poles, force_feedback, normal_blocks, level, modes; "
-        "did you mean `poles`?",
+        f"{path}:{pole}:3: unknown key `pole`; there are: method, poles, region, force_feedback, normal_blocks, level, "
+        "modes; did you mean `poles`?",
     ]
 
 

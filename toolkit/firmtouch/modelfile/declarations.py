@@ -18,6 +18,7 @@ from firmtouch.modelfile.expression.problem import Problem
 from firmtouch.modelfile.expression.tree import Name, Node, Vector, children
 from firmtouch.modelfile.units import JOULE, SECOND, UnitError, parse_unit, split_quantity
 
+MOST_COORDINATES = 40
 LARGEST_EXPANSION = 20_000
 DEEPEST_EXPANSION = 60
 
@@ -76,6 +77,20 @@ class Declarations:
     def joint_forces(self) -> dict[str, Kind]:
         """The kinds of the generalised forces: energy by coordinate."""
         return {name: Kind(JOULE / kind.dimension, known=kind.known) for name, kind in self.coordinates.items()}
+
+    @property
+    def stiffnesses(self) -> dict[str, Kind]:
+        """The kinds of the diagonal entries of W and K: generalised force by coordinate."""
+        return self._force_by(self.coordinates)
+
+    @property
+    def dampings(self) -> dict[str, Kind]:
+        """The kinds of the diagonal entries of C: generalised force by velocity."""
+        return self._force_by(self.rates)
+
+    def _force_by(self, kinds: Mapping[str, Kind]) -> dict[str, Kind]:
+        forces = self.joint_forces
+        return {name: Kind(forces[name].dimension / kind.dimension, known=kind.known) for name, kind in kinds.items()}
 
     @property
     def multipliers(self) -> dict[str, Kind]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
 
@@ -26,11 +26,20 @@ KEY_MARK: Final = "[key]"
 
 @dataclass(frozen=True, slots=True)
 class ModelFile:
-    """A specification and where it came from: the file's name without its ending, and the SHA-256 of its bytes."""
+    """A specification and where it came from: the file's name without its ending, and the SHA-256 of its bytes.
+
+    `document` knows where in the file each entry stands, for mistakes that only the mechanics can see.
+    """
 
     name: str
     sha256: str
     spec: ModelSpec
+    document: Document = field(compare=False, repr=False)
+
+    def mistake(self, message: str, *paths: tuple[str | int, ...]) -> ModelFileError:
+        """Make the error of a mistake that was found later, told at each of these entries."""
+        places = (self.document.place(path) for path in paths)
+        return ModelFileError(tuple(Diagnostic(self.document.name, *place, message) for place in places))
 
 
 def read_model(path: Path | str) -> ModelFile:
@@ -63,7 +72,7 @@ def parse_model(content: bytes, *, name: str, file: str | None = None) -> ModelF
         errors = error.errors(include_url=False)
     if errors or document.mistakes:
         raise ModelFileError(_diagnostics(errors, document))
-    return ModelFile(name, hashlib.sha256(content).hexdigest(), spec)
+    return ModelFile(name, hashlib.sha256(content).hexdigest(), spec, document)
 
 
 def _diagnostics(errors: list[ErrorDetails], document: Document) -> tuple[Diagnostic, ...]:

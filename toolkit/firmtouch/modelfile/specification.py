@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Annotated, Final, Literal
 
 from pydantic import Field, ValidationInfo, model_validator
 
+from firmtouch.modelfile.declarations import MOST_COORDINATES
 from firmtouch.modelfile.expression import Problem
 from firmtouch.modelfile.fields import (
     EXPRESSION_SCHEMA,
@@ -26,10 +28,9 @@ from firmtouch.modelfile.sections.design import DesignSpec
 from firmtouch.modelfile.sections.drawing import Drawing
 from firmtouch.modelfile.sections.mechanism import Mechanism
 from firmtouch.modelfile.sections.operating_point import OperatingPointSpec
+from firmtouch.modelfile.sections.region import RegionSpec, UncertaintySpec
 from firmtouch.modelfile.sections.section import Section
 from firmtouch.modelfile.sections.variables import Coordinate, Parameter
-
-MOST_COORDINATES: Final = 40
 
 
 def _definitions(raw: object, info: ValidationInfo) -> dict[str, Expression]:
@@ -82,6 +83,62 @@ class ModelSpec(Section):
             message = f"{m} constraints on {n} coordinates leave nothing to move; there must be fewer"
             refuse(Problem(message, path=("constraints",)))
         return self
+
+    @model_validator(mode="after")
+    def _the_region_has_what_it_needs(self) -> ModelSpec:
+        region = self.design.region
+        problems = [] if region is None else [*self._missing_bounds(region), *self._uncertainty(region.uncertainty)]
+        if problems:
+            refuse(*problems)
+        return self
+
+    def _missing_bounds(self, region: RegionSpec) -> Iterator[Problem]:
+        """Find the limits of steady-state errors whose causes are not bounded."""
+        force = region.force_error
+        needed: list[tuple[object, tuple[str, ...], str]] = [
+            (region.position_error, ("position_error",), "disturbance"),
+            (force and force.disturbance, ("force_error", "disturbance"), "disturbance"),
+            (force and force.offset, ("force_error", "offset"), "offset"),
+        ]
+        for asked, path, bound in needed:
+            if asked is not None and getattr(self.bounds, bound) is None:
+                message = f"this needs `bounds: {bound}`, the cause of the error, which is not given"
+                yield Problem(message, path=("design", "region", *path), at_key=True)
+        if "force_error" in region.objective and force is None and self.bounds.disturbance is None:
+            message = "the objective `force_error` needs `force_error`, or `bounds: disturbance`"
+            yield Problem(message, path=("design", "region", "objective", "force_error"), at_key=True)
+
+    def _uncertainty(self, uncertain: UncertaintySpec | None) -> Iterator[Problem]:
+        """Find parameters that cannot vary: without an interval, or in a constraint."""
+        here = ("design", "region", "uncertainty")
+        with_interval = [name for name, each in self.parameters.items() if each.interval is not None]
+        named = None if uncertain is None else uncertain.parameters
+        for i, name in enumerate(named or ()):
+            if name not in with_interval:
+                message = f"the parameter `{name}` has no `interval` over which it could vary"
+                yield Problem(message, path=(*here, "parameters", i))
+        if uncertain is not None and named is None and not with_interval and uncertain.lambda_d is None:
+            message = "nothing varies here: no parameter has an `interval`, and there is no `lambda_d`"
+            yield Problem(message, path=here, at_key=True)
+        fixed = self._names_in_constraints()
+        varying = [name for name in with_interval if named is None or name in named]
+        others = ", ".join(name for name in varying if name not in fixed)
+        for name in varying:
+            if name in fixed:
+                message = (
+                    f"`{name}` is part of a constraint: q_d and the free directions would move with it, and a region "
+                    f"design holds them fixed; drop the interval, or say in `region` what varies: "
+                    f"`uncertainty: {{parameters: [{others}]}}`"
+                )
+                yield Problem(message, path=("parameters", name, "interval"))
+
+    def _names_in_constraints(self) -> frozenset[str]:
+        """Collect the names that the constraints use, themselves or through definitions."""
+        names = frozenset[str]().union(*(each.expression.names for each in self.constraints.values()))
+        for name, each in reversed(self.definitions.items()):  # a definition uses those above it
+            if name in names:
+                names |= each.names
+        return names
 
     @property
     def n(self) -> int:

@@ -31,6 +31,7 @@ def choose_mode_shapes(
     pairings with all k_i above the plant's values go first. `least_gain` then turns Q until ||W||_F is least, from the
     best of these starts.
     """
+    assert design.poles is not None
     values, vectors = natural
     starts = []
     for modes in pairings(design.poles):

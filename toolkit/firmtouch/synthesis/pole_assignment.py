@@ -75,6 +75,7 @@ def assign_poles(op: OperatingPoint, design: DesignSpec) -> ClosedLoop:
 
 def requested_poles(design: DesignSpec) -> tuple[complex, ...]:
     """List the poles that the file asks for, in its order."""
+    assert design.poles is not None
     return tuple(pole for group in design.poles for pole in group)
 
 

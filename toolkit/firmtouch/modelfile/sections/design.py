@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-import math
 from typing import Annotated, Any, Final, Literal
 
 from pydantic import Field, ValidationInfo, model_validator
 
+from firmtouch.errors import InputError
 from firmtouch.modelfile.expression import Problem
 from firmtouch.modelfile.fields import Checked, declared, quantity_in, read_all, read_pole, refuse
+from firmtouch.modelfile.sections.force_feedback import ForceFeedback
+from firmtouch.modelfile.sections.region import RegionSpec
 from firmtouch.modelfile.sections.section import Section, ShortSection
+from firmtouch.modelfile.words import shown
 
 PoleGroups = tuple[tuple[complex, ...], ...]
-STRONGEST: Final = 1e6
 
 
 def _poles(raw: object, info: ValidationInfo) -> PoleGroups:
@@ -47,53 +49,10 @@ def _pole_group(raw: object) -> tuple[complex, ...]:
     return pair
 
 
-def _force_feedback(raw: object, info: ValidationInfo) -> tuple[tuple[float, ...], ...]:
-    m = len(declared(info).constraints)
-    if not isinstance(raw, list):
-        return _diagonal([_gain(raw)] * m)
-    if len(raw) != m:
-        refuse(Problem(f"{len(raw)} force-feedback gains for {m} constraint{'s' * (m != 1)}"))
-    if not any(isinstance(row, list) for row in raw):
-        return _diagonal([_gain(each, i) for i, each in enumerate(raw)])
-    matrix = tuple(_row(row, i, m) for i, row in enumerate(raw))
-    for i, row in enumerate(matrix):
-        for j in range(i):
-            if row[j] != matrix[j][i]:
-                refuse(Problem("G_f must be symmetric", path=(i, j)))
-            if row[j] ** 2 > row[i] * matrix[j][j]:
-                refuse(Problem("G_f must be positive semidefinite; this entry is too large", path=(i, j)))
-    return matrix
-
-
-def _row(raw: object, i: int, m: int) -> tuple[float, ...]:
-    if not isinstance(raw, list) or len(raw) != m:
-        refuse(Problem(f"G_f is {m} x {m}: a list of {m} numbers was expected", path=(i,)))
-    return tuple(_gain(each, i, j, least=0 if i == j else -STRONGEST) for j, each in enumerate(raw))
-
-
-def _diagonal(gains: list[float]) -> tuple[tuple[float, ...], ...]:
-    return tuple(tuple(gain if i == j else 0.0 for j in range(len(gains))) for i, gain in enumerate(gains))
-
-
-def _gain(raw: object, *path: int, least: float = 0.0) -> float:
-    if isinstance(raw, bool) or not isinstance(raw, int | float) or not math.isfinite(raw):
-        refuse(Problem("a plain number was expected: force-feedback gains have no unit", path=path))
-    if not least <= raw <= STRONGEST:
-        refuse(Problem(f"a force-feedback gain of {raw:g}; it must lie between {least:g} and {STRONGEST:g}", path=path))
-    return float(raw)
-
-
 _POLE_SCHEMA: Final[dict[str, Any]] = {"anyOf": [{"type": "number"}, {"type": "string"}]}
 _PAIR_SCHEMA: Final[dict[str, Any]] = {"type": "array", "items": _POLE_SCHEMA, "minItems": 2, "maxItems": 2}
-_GAINS_SCHEMA: Final[dict[str, Any]] = {
-    "type": "array",
-    "items": {"anyOf": [{"type": "number"}, {"type": "array", "items": {"type": "number"}}]},
-}
 Poles = Annotated[
     PoleGroups, Checked(_poles, {"type": "array", "minItems": 1, "items": {"anyOf": [_POLE_SCHEMA, _PAIR_SCHEMA]}})
-]
-ForceFeedback = Annotated[
-    tuple[tuple[float, ...], ...], Checked(_force_feedback, {"anyOf": [{"type": "number"}, _GAINS_SCHEMA]})
 ]
 
 
@@ -102,10 +61,11 @@ class NormalBlocks(ShortSection):
 
     short_for = "policy"
 
-    policy: Literal["decouple", "reject", "blend"] = Field(
+    policy: Literal["decouple", "reject", "blend", "free"] = Field(
         "decouple",
         description="decouple: no force transient while the position converges; "
-        "reject: least force error under constant disturbances; blend: between them",
+        "reject: least force error under constant disturbances; blend: between them; "
+        "free: the search chooses them, region designs only",
     )
     weight: Annotated[float, quantity_in("1", least=0, most=1)] | None = Field(
         None, description="for `blend`: 1 is decouple, 0 is reject"
@@ -124,8 +84,16 @@ class NormalBlocks(ShortSection):
 class DesignSpec(Section):
     """How the gains are found, and on which level they must hold."""
 
-    method: Literal["poles"] = Field("poles", description="how the gains are found")
-    poles: Poles = Field(description="2(n - m) poles in 1/s; a list inside the list pairs two real ones")
+    method: Literal["poles", "region"] = Field(
+        "poles",
+        description="how the gains are found. poles: from the poles that are asked for; "
+        "region: by a search among all gains that satisfy given conditions",
+    )
+    poles: Poles | None = Field(
+        None,
+        description="2(n - m) poles in 1/s; a list inside the list pairs two real ones; for `method: poles`",
+    )
+    region: RegionSpec | None = Field(None, description="conditions on the loop; for `method: region`")
     force_feedback: ForceFeedback = Field(
         description="G_f: one number, one for each constraint, or a symmetric positive semidefinite matrix"
     )
@@ -139,3 +107,45 @@ class DesignSpec(Section):
         "least_gain",
         description="which mode shapes get the poles: those that need the least W, or the plant's own",
     )
+
+    @model_validator(mode="after")
+    def _the_method_has_what_it_needs(self) -> DesignSpec:
+        if getattr(self, self.method) is None:
+            refuse(Problem(f"`method: {self.method}` needs `{self.method}`", at_key=True))
+        if self.method == "poles" and self.normal_blocks.policy == "free":
+            message = "`free` leaves these blocks to the search of `method: region`; poles need one of the others"
+            refuse(Problem(message, path=("normal_blocks", "policy")))
+        return self
+
+    @model_validator(mode="after")
+    def _force_feedback_within_its_limit(self, info: ValidationInfo) -> DesignSpec:
+        limits = (self.region and self.region.force_feedback_limit) or ()
+        problems = [
+            Problem(
+                f"this allows {limit:g} for the constraint `{name}`, and `force_feedback` asks for {row[i]:g}",
+                path=("region", "force_feedback_limit", i),
+            )
+            for i, (name, row, limit) in enumerate(
+                zip(declared(info).constraints, self.force_feedback, limits, strict=False)
+            )
+            if row[i] > limit
+        ]
+        if problems:
+            refuse(*problems)
+        return self
+
+    def with_method(self, method: str) -> DesignSpec:
+        """Give the same design by another method.
+
+        Raises
+        ------
+        InputError
+            If the file does not hold what that method needs.
+        """
+        if method not in ("poles", "region"):
+            raise InputError(f"there is no method {shown(method)}; there are: poles, region")
+        if getattr(self, method) is None:
+            raise InputError(f"the file's `design` has no `{method}`, which `--method {method}` needs")
+        if method == "poles" and self.normal_blocks.policy == "free":
+            raise InputError("the file's `normal_blocks` are `free`, which `--method poles` cannot use")
+        return self.model_copy(update={"method": method})

@@ -1,0 +1,140 @@
+"""What is tried when [T4] has no solution: pole assignment for full matrices, alternation for structured ones."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Final
+
+import cvxpy as cp
+import numpy as np
+
+from firmtouch.mechanics.arrays import symmetric
+from firmtouch.modelfile.sections.design import NormalBlocks
+from firmtouch.regulation import Gains, split_directions
+from firmtouch.synthesis.normal_blocks import damping_blocks, stiffness_blocks
+from firmtouch.synthesis.region.alternation import (
+    ROUNDS,
+    Multiplier,
+    best_multiplier,
+    general_proof,
+    lyapunov_constraints,
+    solve_quietly,
+)
+from firmtouch.synthesis.region.lmi_region import LmiRegion
+from firmtouch.synthesis.region.problem import RegionProblem
+from firmtouch.synthesis.region.proof import best_energy_slack
+from firmtouch.synthesis.region.terms.term import RegionTerm, Term
+from firmtouch.synthesis.region.variables import Variables
+
+FREQUENCIES: Final = 25
+SPREAD: Final = 20.0
+"""Without a bandwidth, poles up to this factor faster than the decay rate are tried."""
+DAMPINGS: Final = (1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 1.2)
+STARTS: Final = 3
+"""Values of eps from whose least-missing gains the alternation begins."""
+SMALL_EPS: Final = 1e-3
+SMALL_GAINS: Final = 1e-4
+"""The weight of the gains beside the slack."""
+
+
+def rescue(problem: RegionProblem) -> tuple[Gains | None, str]:
+    """Try what fits the structure, and name it."""
+    if problem.polytope.remainder_M or problem.polytope.remainder_N0:
+        return None, ""  # neither proof covers a ball around the polytope
+    if problem.structure.kind == "full":
+        return assigned_into(problem), "poles"
+    return alternate(problem), "alternation"
+
+
+def assigned_into(problem: RegionProblem) -> Gains | None:
+    """Give every tangent direction one and the same pair of poles, and see whether the rest of the terms holds too.
+
+    K22 = k M22 and C22 = c M22 for poles on a grid over the region; the other blocks as [T1] and [T3] have them.
+    """
+    op, split = problem.op, split_directions(problem.op.J)
+    M, N0, policy = split.blocks(op.M), split.blocks(op.N0), NormalBlocks()
+    slow, fast = problem.where.slow, min(problem.where.fast, SPREAD * problem.where.slow)
+    for frequency in np.geomspace(slow, fast, FREQUENCIES):
+        for damping in DAMPINGS:
+            k, c = frequency**2, 2 * damping * frequency
+            K = split.assemble(stiffness_blocks(symmetric(k * M.X22), M, N0, policy))
+            C = split.assemble(damping_blocks(symmetric(c * M.X22), M, policy))
+            gains = problem.gains(K - op.N0, C)
+            if problem.audit(gains).holds and proven(problem, gains):
+                return gains
+    return None
+
+
+def proven(problem: RegionProblem, gains: Gains) -> bool:
+    """Prove the region for all plants between the vertices; one plant alone has its poles for a proof."""
+    tangents, omega = problem.tangents(gains), problem.scaling.omega
+    regions = [each.region().in_time_unit(omega) for each in problem.terms if isinstance(each, RegionTerm)]
+    return len(tangents) == 1 or best_energy_slack(tangents, regions) > 0 or general_proof(tangents, regions)
+
+
+def alternate(problem: RegionProblem) -> Gains | None:
+    """Look for gains in turns: given them the best Lyapunov matrices, given these the best gains."""
+    pole_terms = tuple(each for each in problem.terms if isinstance(each, RegionTerm))
+    others = tuple(each for each in problem.terms if not isinstance(each, RegionTerm))
+    regions = [each.region().in_time_unit(problem.scaling.omega) for each in pole_terms]
+    if not regions:
+        return None
+    for gains in least_missing(problem, regions, others):
+        found = _in_turns(problem, regions, others, gains)
+        if found is not None:
+            return found
+    return None
+
+
+def least_missing(problem: RegionProblem, regions: Sequence[LmiRegion], others: tuple[Term, ...]) -> list[Gains]:
+    """Give the gains that miss the inequalities of [T4] by least, for the best few eps, the best first."""
+    variables, slack = problem.variables(), cp.Variable()
+    constraints = [slack <= 1, *(each for term in others for each in term.constraints(variables))]
+    constraints += [each for region in regions for each in variables.in_region(region, slack)]
+    aim = slack - SMALL_GAINS * _size(variables)
+    programme = cp.Problem(cp.Maximize(aim), constraints)
+    found = []
+    for epsilon in problem.where.epsilons():
+        variables.eps.value = epsilon / problem.scaling.omega
+        if solve_quietly(programme):
+            found.append((float(slack.value), problem.gains(*variables.values())))
+    found.sort(key=lambda each: -each[0])
+    return [gains for _, gains in found[:STARTS]]
+
+
+def _size(variables: Variables) -> Any:  # noqa: ANN401  # a cvxpy expression
+    return cp.norm(variables.W, "fro") + cp.norm(variables.C, "fro")
+
+
+def _in_turns(
+    problem: RegionProblem, regions: Sequence[LmiRegion], others: tuple[Term, ...], gains: Gains
+) -> Gains | None:
+    for _ in range(ROUNDS):
+        tangents = problem.tangents(gains)
+        multipliers = [best_multiplier(tangents, region) for region in regions]
+        if any(each is None for each in multipliers):
+            return None
+        better = _best_gains(problem, regions, others, [each for each in multipliers if each is not None])
+        if better is None:
+            return None
+        gains = better
+        if problem.audit(gains).holds and proven(problem, gains):
+            return gains
+    return None
+
+
+def _best_gains(
+    problem: RegionProblem, regions: Sequence[LmiRegion], others: tuple[Term, ...], multipliers: Sequence[Multiplier]
+) -> Gains | None:
+    """Maximise the slack over the gains and P, with the multipliers fixed, and all other terms kept."""
+    variables, slack = problem.variables(), cp.Variable()
+    constraints = [slack <= 1, *(each for term in others for each in term.constraints(variables))]
+    variables.eps.value = SMALL_EPS  # Pm > 0 is not what proves these gains
+    for region, multiplier in zip(regions, multipliers, strict=True):
+        for corner, K22 in zip(variables.corners, variables.K22, strict=True):
+            G = cp.hstack([K22, variables.C22, corner.M22])
+            product = multiplier.F.T @ G + G.T @ multiplier.F
+            constraints += lyapunov_constraints(region, product, variables.t, slack, 0.0)
+    if not solve_quietly(cp.Problem(cp.Maximize(slack - SMALL_GAINS * _size(variables)), constraints)):
+        return None
+    return problem.gains(*variables.values())

@@ -1,0 +1,97 @@
+"""The scalar eps of [T4]: a search over ratios, each a solve of the one compiled problem, then a closer look."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import scipy.optimize
+
+from firmtouch.synthesis.region.programme import Attempt, Programme, Status
+
+RATIOS: Final = (1.5, 1.2, 2.0, 1.05, 1.35, 2.7, 1.1, 4.0)
+"""eps / alpha in the order in which feasible designs were met; without a decay rate alpha stands for 0.4 omega."""
+REFINED: Final = 3
+"""Further solves between the neighbours of the best ratio."""
+LARGE: Final = 10
+"""From this many free directions on a solve takes long, and the first eps with gains is taken."""
+SIGMAS: Final = (0.25, 64.0)
+"""Where the cost's multiplier is looked for, around the value of a single mass."""
+SIGMA_STEPS: Final = 8
+ENOUGH: Final = 1e-3
+
+
+@dataclass(frozen=True, slots=True)
+class Range:
+    """The eps (in 1/s) that make sense: above the decay rate, below the bandwidth; `slow` is what ratios refer to."""
+
+    slow: float
+    fast: float
+
+    def epsilons(self) -> tuple[float, ...]:
+        """List the first ones to try."""
+        return tuple(ratio * self.slow for ratio in RATIOS if ratio * self.slow < self.fast)
+
+
+def search(
+    programme: Programme, where: Range, accept: Callable[[Attempt], bool], sigma: Callable[[float], float] | None
+) -> tuple[Attempt, ...]:
+    """Try ratios, refine around the best, and give all attempts, the best one first.
+
+    `accept` re-checks gains; an attempt that it refuses counts as trouble. `sigma` gives the cost's natural multiplier
+    for an eps, if there is a cost.
+    """
+
+    def attempt(epsilon: float) -> Attempt:
+        found = programme.solve(epsilon) if sigma is None else _with_multiplier(programme, epsilon, sigma(epsilon))
+        return found if not found.status.has_gains or accept(found) else Attempt(epsilon, Status.TROUBLE)
+
+    attempts: list[Attempt] = []
+    for epsilon in where.epsilons():
+        attempts.append(attempt(epsilon))
+        if attempts[-1].status.has_gains and programme.variables.t >= LARGE:
+            return _ordered(attempts)
+    best = _ordered(attempts)[0]
+    if best.status.has_gains:
+        attempts += _refined(attempts, best, where, attempt)
+    return _ordered(attempts)
+
+
+def _ordered(attempts: list[Attempt]) -> tuple[Attempt, ...]:
+    """Best first; of those without gains, trouble before infeasibility, as it says less."""
+    order = {Status.SOLVED: 0, Status.ALMOST: 0, Status.UNBOUNDED: 1, Status.TROUBLE: 2, Status.INFEASIBLE: 3}
+    return tuple(sorted(attempts, key=lambda each: (order[each.status], each.objective)))
+
+
+def _refined(
+    attempts: list[Attempt], best: Attempt, where: Range, attempt: Callable[[float], Attempt]
+) -> list[Attempt]:
+    """Halve the gap (in the logarithm) between the best eps and its better neighbour, a few times."""
+    more: list[Attempt] = []
+    for _ in range(REFINED):
+        tried = sorted([*attempts, *more], key=lambda each: each.epsilon)
+        at = tried.index(best)
+        beside = [tried[i] for i in (at - 1, at + 1) if 0 <= i < len(tried)]
+        beside = beside or [Attempt(where.slow, Status.INFEASIBLE)]
+        neighbour = min(beside, key=lambda each: each.objective)
+        more.append(attempt(float(np.sqrt(best.epsilon * neighbour.epsilon))))
+        if more[-1].objective < best.objective:
+            gain, best = best.objective - more[-1].objective, more[-1]
+            if gain < ENOUGH * abs(best.objective):
+                break
+    return more
+
+
+def _with_multiplier(programme: Programme, epsilon: float, natural: float) -> Attempt:
+    """Minimise over the cost's multiplier sigma."""
+    tried: list[Attempt] = []
+
+    def value(logarithm: float) -> float:
+        tried.append(programme.solve(epsilon, natural * float(np.exp(logarithm))))
+        return min(tried[-1].objective, 1e12)
+
+    low, high = np.log(SIGMAS)
+    scipy.optimize.minimize_scalar(value, bounds=(low, high), method="bounded", options={"maxiter": SIGMA_STEPS})
+    return _ordered(tried)[0]

@@ -22,13 +22,16 @@ def failed(model):
     return {each.name for each in report.failed}
 
 
+TOO_LARGE_FOR_SYMPY = {"spatial_6r_plane"}
+
+
 def test_every_check_holds_on_every_shipped_model(model):
     report, symbolic = firmtouch.check_model(model)
     assert report.failed == ()
     assert report.holds
     assert {each.name for each in report.results} == NAMES
     assert len(report.results) == len(CHECKS) + 1
-    assert symbolic is not None
+    assert (symbolic is None) == (model.name in TOO_LARGE_FOR_SYMPY)
     for each in report.results:
         assert each.relation == "-" or (np.isfinite(each.figure) and each.detail)
 

@@ -69,8 +69,9 @@ def test_definitions_count_where_they_are_used(make_model):
     assert second({"a": "q1**2 + q2"}, "a") == second({"b": "0*q1"}, "(q1**2 + q2)")
 
 
-def test_every_shipped_model_is_compared(model):
+def test_every_shipped_model_but_the_largest_is_compared(model):
     report, symbolic = check_model(model)
-    assert symbolic is not None
-    assert worth_comparing(make_subject(model.spec))
-    assert report.results[-1].detail.startswith("CasADi against SymPy")
+    compared = model.name != "spatial_6r_plane"
+    assert (symbolic is not None) == compared
+    assert worth_comparing(make_subject(model.spec)) == compared
+    assert report.results[-1].detail.startswith("CasADi against SymPy" if compared else "not compared")

@@ -17,6 +17,7 @@ SIZES = {  # name: (n, m)
     "planar_3r_circle": (3, 1),
     "planar_3r_wall": (3, 2),
     "spatial_3r_sphere": (3, 1),
+    "spatial_6r_plane": (6, 1),
     "two_arms_bar": (6, 3),
 }
 

@@ -3,21 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Final
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from firmtouch.checks import CheckReport, check_model
-from firmtouch.errors import NoDesignError
+from firmtouch.errors import InputError, NoDesignError
 from firmtouch.mechanics import Scene, derive_plant, draw_scene
 from firmtouch.mechanics.symbolic import SymbolicPlant
 from firmtouch.modelfile import ModelFile
-from firmtouch.regulation import ClosedLoop, SteadyState, find_operating_point, steady_state_errors
+from firmtouch.regulation import ClosedLoop, OperatingPoint, SteadyState, find_operating_point, steady_state_errors
 from firmtouch.regulation.closed_loop import match_poles, pole_distance
 from firmtouch.regulation.operating_point import OffSurfaceError, project
+from firmtouch.regulation.uncertainty import IndefiniteInertiaError
 from firmtouch.synthesis import assign_poles
 from firmtouch.synthesis.pole_assignment import requested_poles
+
+if TYPE_CHECKING:
+    from firmtouch.synthesis.region import RegionDesign
 
 FAR: Final = 0.3
 """A projection that moves the guess further than this (rad or m) deserves a word."""
@@ -29,7 +33,11 @@ MOST_GHOST_DIRECTIONS: Final = 2
 
 @dataclass(frozen=True, slots=True)
 class Design:
-    """A checked design: all that the reports and `design.json` tell."""
+    """A checked design: all that the reports and `design.json` tell.
+
+    `requested` is empty, and `residual` zero, for a region design, which asks for no particular poles; `region` holds
+    what it does ask for, and is None for a pole assignment.
+    """
 
     model: ModelFile
     loop: ClosedLoop
@@ -40,6 +48,7 @@ class Design:
     checks: CheckReport
     symbolic: SymbolicPlant | None
     scene: Scene | None
+    region: RegionDesign | None
     warnings: tuple[str, ...]
 
 
@@ -54,21 +63,35 @@ class ChecksFailedError(NoDesignError):
         super().__init__(f"the model fails its checks: {reasons}; `firmtouch check` tells more")
 
 
-def design_model(model: ModelFile, progress: Callable[[str], None] = lambda _: None) -> Design:
-    """Design, analyse and check; `progress` is told what is being done.
+def design_model(
+    model: ModelFile,
+    progress: Callable[[str], None] = lambda _: None,
+    *,
+    front: tuple[str, str] | None = None,
+) -> Design:
+    """Design, analyse and check; `progress` is told what is being done, `front` names two objectives to weigh.
 
     Raises
     ------
     NoDesignError
         If there is no such design, or the model fails its checks.
+    InputError
+        If the file's intervals or objectives make no sense for the mechanism.
     """
     spec = model.spec
     progress("deriving the mechanics")
     op = find_operating_point(derive_plant(spec))
-    progress("assigning the poles")
-    loop = assign_poles(op, spec.design)
-    requested = requested_poles(spec.design)
-    achieved = match_poles(loop.poles.pencil, requested)
+    region, requested = None, tuple[complex, ...]()
+    if spec.design.method == "region":
+        region = _design_region(op, model, front, progress)
+        loop, achieved = region.loop, region.loop.poles.pencil
+    else:
+        if front is not None:
+            raise InputError("a front weighs objectives of region designs; this one assigns poles (`--method region`)")
+        progress("assigning the poles")
+        loop = assign_poles(op, spec.design)
+        requested = requested_poles(spec.design)
+        achieved = match_poles(loop.poles.pencil, requested)
     progress("checking the model")
     checks, symbolic = check_model(model)
     if not checks.holds:
@@ -78,13 +101,32 @@ def design_model(model: ModelFile, progress: Callable[[str], None] = lambda _: N
         loop=loop,
         requested=requested,
         achieved=achieved,
-        residual=pole_distance(achieved, requested),
+        residual=pole_distance(achieved, requested) if requested else 0.0,
         steady_state=steady_state_errors(loop, spec.bounds),
         checks=checks,
         symbolic=symbolic,
         scene=_scene(loop),
+        region=region,
         warnings=_warnings(loop),
     )
+
+
+def _design_region(
+    op: OperatingPoint, model: ModelFile, front: tuple[str, str] | None, progress: Callable[[str], None]
+) -> RegionDesign:
+    """Search for gains; cvxpy takes a second to load, so it is loaded for those who need it."""
+    from firmtouch.synthesis.region import design_region
+    from firmtouch.synthesis.region.front import pareto_front
+
+    progress("searching for gains")
+    try:
+        found = design_region(op, model.spec, progress)
+    except IndefiniteInertiaError as error:
+        raise model.mistake(str(error), *(("parameters", name, "interval") for name in error.parameters)) from error
+    if front is None:
+        return found
+    progress("drawing the front")
+    return replace(found, front=pareto_front(found.problem, model.spec, *front))
 
 
 def _scene(loop: ClosedLoop) -> Scene | None:

@@ -27,6 +27,14 @@ def build_parser() -> argparse.ArgumentParser:
 
     design = commands.add_parser("design", help="find gains for a model, and write a report", description=_DESIGN)
     design.add_argument("model", metavar="MODEL", help="a model file (YAML)")
+    design.add_argument(
+        "--method", choices=("poles", "region"), help="assign poles, or search a region (default: as the file says)"
+    )
+    design.add_argument(
+        "--front",
+        metavar="A,B",
+        help="weigh two objectives of a region design, as in gains,margin (or cost)",
+    )
     design.add_argument("--out", metavar="DIR", help="where to write (default: reports/<model>)")
     design.add_argument("--json", action="store_true", help="print design.json on stdout instead of words")
     design.add_argument("--no-pdf", action="store_true", help="leave out report.pdf")

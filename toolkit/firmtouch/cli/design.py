@@ -6,14 +6,17 @@ import argparse
 import json
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from firmtouch.cli import GOOD
 from firmtouch.cli.console import results_console, talk_console, working
+from firmtouch.errors import InputError
 
 if TYPE_CHECKING:
     from firmtouch.design import Design
+    from firmtouch.modelfile import ModelFile
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -21,12 +24,12 @@ def run(arguments: argparse.Namespace) -> int:
     from firmtouch.modelfile import read_model
 
     with working(f"reading {arguments.model}") as progress:
-        model = read_model(arguments.model)
+        model = _with_method(read_model(arguments.model), arguments.method)
         progress("loading the design tools")
         from firmtouch.design import design_model
         from firmtouch.report import verdict, write_files
 
-        design = design_model(model, progress)
+        design = design_model(model, progress, front=_pair(arguments.front))
         contents = _contents(design, progress, pdf=not arguments.no_pdf)
         folder = Path(arguments.out) if arguments.out is not None else Path("reports") / model.name
         progress("writing")
@@ -42,6 +45,23 @@ def run(arguments: argparse.Namespace) -> int:
     for path in paths:
         console.print(f"  {path}", markup=False, soft_wrap=True)
     return GOOD
+
+
+def _with_method(model: ModelFile, method: str | None) -> ModelFile:
+    """Let the command line choose among the methods that the file describes."""
+    if method is None:
+        return model
+    design = model.spec.design.with_method(method)
+    return replace(model, spec=model.spec.model_copy(update={"design": design}))
+
+
+def _pair(front: str | None) -> tuple[str, str] | None:
+    if front is None:
+        return None
+    names = [each.strip() for each in front.split(",")]
+    if len(names) != 2:
+        raise InputError(f"`--front {front}`: two objectives were expected, as in `--front gains,margin`")
+    return names[0], names[1]
 
 
 def _contents(design: Design, progress: Callable[[str], None], *, pdf: bool) -> dict[str, bytes]:

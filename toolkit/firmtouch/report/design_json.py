@@ -9,6 +9,7 @@ from firmtouch.design import Design
 from firmtouch.mechanics import Array
 from firmtouch.regulation import SteadyStateError
 from firmtouch.regulation.closed_loop import Positivity
+from firmtouch.report.region_json import region_as_json
 
 SCHEMA: Final = "firmtouch.design/1"
 
@@ -44,10 +45,11 @@ def design_as_json(design: Design) -> dict[str, Any]:
         "poles": {
             "requested": _pairs(design.requested),
             "achieved": _pairs(design.achieved),
-            "residual": design.residual,
+            "residual": design.residual if design.requested else None,
         },
         "positivity": {"full": _positivity(loop.full), "tangent": _positivity(loop.tangent)},
         "steady_state": {name: _error(getattr(errors, name)) for name in ("force", "offset", "rotation", "tilt")},
+        **(region_as_json(design.region) if design.region is not None else {}),
         "checks": [{"name": each.name, "holds": each.holds} for each in design.checks.results],
         "warnings": list(design.warnings),
     }

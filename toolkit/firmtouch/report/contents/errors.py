@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from firmtouch.design import Design
 from firmtouch.mechanics import Array
+from firmtouch.modelfile.vector_units import units_of
 from firmtouch.regulation import SteadyStateError
 from firmtouch.report.contents.operating_point import as_matrix
-from firmtouch.report.contents.units import units_of
 from firmtouch.report.document import Block, Equation, Line, Math, Matrices, Paragraph, Section, Table
 from firmtouch.report.numbers import number, vector
 

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from firmtouch.design import Design
 from firmtouch.report.contents.operating_point import as_matrix
-from firmtouch.report.document import Equation, Math, Matrices, Paragraph, Section
+from firmtouch.report.contents.region_words import is_choice_of_blocks, is_uncertain
+from firmtouch.report.document import Code, Equation, Line, Math, Matrices, Paragraph, Section
+
+if TYPE_CHECKING:  # else cvxpy would be loaded for every report
+    from firmtouch.synthesis.region import RegionDesign
 
 _POLICIES = {
     "decouple": (
@@ -23,12 +29,10 @@ _POLICIES = {
 
 def section(design: Design) -> Section:
     """Write the gains."""
-    gains, asked = design.loop.gains, design.model.spec.design
+    gains = design.loop.gains
     with_force = bool(np.any(gains.G_f))
     law = "u = g - J^T lambda_d - W (q - q_d) - C dot(q)"
     force = " + J(q_d)^T G_f (lambda - lambda_d)" if with_force else ""
-    why, blocks_law = _POLICIES[asked.normal_blocks.policy]
-    weight = f" (here w = {asked.normal_blocks.weight:g})" if asked.normal_blocks.weight is not None else ""
     return Section(
         "Gains",
         (
@@ -41,19 +45,49 @@ def section(design: Design) -> Section:
                     as_matrix("g - J^T lambda_d", gains.bias),
                 )
             ),
-            Paragraph(
-                (
-                    "The poles fix ",
-                    Math("W"),
-                    " and ",
-                    Math("C"),
-                    " on the free directions alone. The mixed blocks are chosen ",
-                    f"{why}",
-                    Math(blocks_law),
-                    f"{weight}. The normal blocks are the least ones with which the smallest eigenvalues of ",
-                    Math("C, K, W"),
-                    f" reach {asked.normal_blocks.margin:g} of those of their tangent blocks.",
-                )
-            ),
+            Paragraph(_assigned(design) if design.region is None else _searched(design, design.region)),
         ),
+    )
+
+
+def _assigned(design: Design) -> Line:
+    """Say how the blocks came about that the poles leave alone."""
+    return (
+        "The poles fix ",
+        Math("W"),
+        " and ",
+        Math("C"),
+        " on the free directions alone. The mixed blocks are chosen ",
+        *_policy(design),
+        ". The normal blocks are the least ones with which the smallest eigenvalues of ",
+        Math("C, K, W"),
+        f" reach {design.model.spec.design.normal_blocks.margin:g} of those of their tangent blocks.",
+    )
+
+
+def _policy(design: Design) -> Line:
+    asked = design.model.spec.design.normal_blocks
+    why, law = _POLICIES[asked.policy]
+    weight = f" (here w = {asked.weight:g})" if asked.weight is not None else ""
+    return (why, Math(law), weight) if weight else (why, Math(law))
+
+
+def _searched(design: Design, region: RegionDesign) -> Line:
+    """Say what tied the blocks of gains that were searched for."""
+    whole: Line = ("The search chose all blocks of ", Math("W"), " and ", Math("C"), " at once. ")
+    if region.problem.structure.kind != "full":
+        return (
+            *whole,
+            "The structure of the matrices ties the mixed blocks to the others, so they can neither decouple the force "
+            "transient nor reject disturbances by choice.",
+        )
+    if any(map(is_choice_of_blocks, region.problem.terms)):
+        plant = " These equations hold for the nominal plant." if is_uncertain(region) else ""
+        return (*whole, "The mixed blocks are tied to the tangent ones ", *_policy(design), f".{plant}")
+    if region.force_front is None:
+        return (*whole, "Nothing ties the mixed blocks (", Code("free"), ").")
+    return (
+        "The search chose the blocks on the free directions; a second stage chose the mixed and the normal ones (",
+        Code("free"),
+        ") for a small transient of the contact force and a small steady-state error of it.",
     )

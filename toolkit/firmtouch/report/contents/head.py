@@ -6,8 +6,9 @@ import numpy as np
 
 from firmtouch.design import Design
 from firmtouch.mechanics import Scene
+from firmtouch.modelfile.vector_units import units_of
 from firmtouch.report.contents.prose import prose
-from firmtouch.report.contents.units import units_of
+from firmtouch.report.contents.region_words import is_uncertain, slowest
 from firmtouch.report.contents.verdict import verdict
 from firmtouch.report.document import Block, Callout, Card, Cards, Figure, Paragraph, Section
 from firmtouch.report.figures import mechanism_picture
@@ -29,10 +30,10 @@ def section(design: Design) -> Section:
 
 def _cards(design: Design) -> Cards:
     loop, errors, units = design.loop, design.steady_state.force, units_of(design.model.spec)
-    slowest = max(pole.real for pole in design.achieved)
+    at_worst = " at worst" if design.region is not None and is_uncertain(design.region) else ""
     cards = [
         Card(f"{loop.operating_point.n} / {loop.operating_point.m}", "", "coordinates / constraints"),
-        Card(number(-4 / slowest, 3), "s", "settling time to 2 %"),
+        Card(number(-4 / slowest(design), 3), "s", f"settling time to 2 %{at_worst}"),
         Card(number(float(np.linalg.norm(loop.gains.W, 2)), 3), units.stiffness, "largest stiffness ‖W‖"),
         Card(number(float(loop.full.K[0]), 3), units.stiffness, "least eigenvalue of (14)"),
     ]

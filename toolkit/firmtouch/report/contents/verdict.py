@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from firmtouch.design import Design
+from firmtouch.report.contents.region_words import loops, region_words, slowest, varied
 from firmtouch.report.numbers import complex_number, number
+
+if TYPE_CHECKING:  # else cvxpy would be loaded for every report
+    from firmtouch.synthesis.region import RegionDesign
 
 
 def verdict(design: Design) -> str:
     """Say what was found, in one sentence."""
     spec = design.model.spec
-    matrices = "C, K and W are positive definite" if design.loop.full.holds else (
+    matrices = "C, K and W are positive definite" if all(each.full.holds for each in loops(design)) else (
         "C and K are positive definite on the directions that the constraints leave free"
     )  # fmt: skip
     return (
-        f"Designed: the gains put {_poles(design)}, {matrices}, "
+        f"Designed: {_loop(design)}, {matrices}, "
         f"and all {len(design.checks.results)} model checks hold; "
         f"after any small disturbance the mechanism returns to q_d and its constraint force"
         f"{'s' if spec.m > 1 else ''} to lambda_d{settling(design)}."
@@ -22,8 +28,21 @@ def verdict(design: Design) -> str:
 
 def settling(design: Design) -> str:
     """Say how soon: the slowest pole fades to 2 % in 4 / |Re s|, more or less."""
-    slowest = max(pole.real for pole in design.achieved)
-    return f", to 2 % within about {number(-4 / slowest, 2)} s" if slowest < 0 else ""
+    rate = slowest(design)
+    return f", to 2 % within about {number(-4 / rate, 2)} s" if rate < 0 else ""
+
+
+def _loop(design: Design) -> str:
+    """Say where the poles are, or in which region, and for which plants."""
+    if design.region is None:
+        return f"the gains put {_poles(design)}"
+    plants = varied(design.region, design.model.spec)
+    return f"{f'for {plants} ' if plants else ''}the gains {_kept(design.region)}"
+
+
+def _kept(region: RegionDesign) -> str:
+    edges = region_words(region)
+    return f"keep all poles in the asked region ({edges})" if edges else "meet all that was asked of the loop"
 
 
 def _poles(design: Design) -> str:

@@ -1,7 +1,8 @@
 """The report's pictures, each a function from values to SVG."""
 
 from firmtouch.report.figures.eigenvalues import eigenvalue_chart
+from firmtouch.report.figures.front import front_chart
 from firmtouch.report.figures.mechanism import mechanism_picture
-from firmtouch.report.figures.s_plane import s_plane
+from firmtouch.report.figures.s_plane import region_plane, s_plane
 
-__all__ = ["eigenvalue_chart", "mechanism_picture", "s_plane"]
+__all__ = ["eigenvalue_chart", "front_chart", "mechanism_picture", "region_plane", "s_plane"]

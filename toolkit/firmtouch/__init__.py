@@ -31,6 +31,7 @@ if TYPE_CHECKING:
         steady_state_errors,
     )
     from firmtouch.synthesis import assign_poles
+    from firmtouch.synthesis.region import NoGainsError, RegionDesign, design_region
 
 _HOMES: Final = {
     "checks": ("CheckReport", "check_model"),
@@ -48,6 +49,7 @@ _HOMES: Final = {
         "steady_state_errors",
     ),
     "synthesis": ("assign_poles",),
+    "synthesis.region": ("NoGainsError", "RegionDesign", "design_region"),
 }
 _HOME_OF: Final = {name: home for home, names in _HOMES.items() for name in names}
 
@@ -63,14 +65,17 @@ __all__ = [
     "ModelFileError",
     "ModelSpec",
     "NoDesignError",
+    "NoGainsError",
     "OperatingPoint",
     "Plant",
+    "RegionDesign",
     "SteadyState",
     "assign_poles",
     "check_model",
     "close_loop",
     "derive_plant",
     "design_model",
+    "design_region",
     "find_operating_point",
     "parse_model",
     "read_model",

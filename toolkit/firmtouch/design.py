@@ -107,7 +107,7 @@ def design_model(
         symbolic=symbolic,
         scene=_scene(loop),
         region=region,
-        warnings=_warnings(loop),
+        warnings=(*_warnings(loop), *(_search_warnings(region) if region is not None else ())),
     )
 
 
@@ -165,4 +165,23 @@ def _warnings(loop: ClosedLoop) -> tuple[str, ...]:
             "The conditions hold on the tangent level alone: on the directions that the constraints leave free. "
             "That is enough near q_d while the contact lasts, but it is less than the paper's conditions."
         )
+    return tuple(warnings)
+
+
+def _search_warnings(region: RegionDesign) -> tuple[str, ...]:
+    """Say where the search did not end as one would wish."""
+    from firmtouch.synthesis.region.programme import Status
+
+    stages = {
+        "poles": "assigning one pair of poles to all free directions reached the region all the same",
+        "alternation": "turns between the gains and general Lyapunov matrices found these gains all the same; they are "
+        "some that do, and not the best ones",
+    }
+    warnings = []
+    if region.search.stage in stages:
+        warnings.append(
+            f"The convex search [T4], which is sufficient and not necessary, found no gains; {stages[region.search.stage]}."
+        )
+    elif region.search.status is Status.ALMOST:
+        warnings.append("The solver came close to its tolerances only; the gains passed every check from their values.")
     return tuple(warnings)

@@ -27,6 +27,8 @@ if TYPE_CHECKING:  # else cvxpy would be loaded for every report
 
 NOTHING_MORE: Final = "as asked, no more"
 UNCHANGED: Final = "1 alone"
+SAME: Final = 1e-4
+"""Ends that differ by less, relatively, are written alike."""
 
 
 def section(design: Design) -> Section | None:

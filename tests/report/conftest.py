@@ -22,9 +22,9 @@ ROOT = Path(__file__).parents[2]
 class Report:
     """A design with its renderings, made when they are first asked for."""
 
-    def __init__(self, model: firmtouch.ModelFile) -> None:
+    def __init__(self, model: firmtouch.ModelFile, front: tuple[str, str] | None = None) -> None:
         self.model = model
-        self.design = firmtouch.design_model(model)
+        self.design = firmtouch.design_model(model, front=front)
 
     @cached_property
     def document(self) -> Document:
@@ -74,6 +74,23 @@ def pendulum_with() -> Callable[..., Report]:
         for key, value in sections.items():
             data[key] = data[key] | value if isinstance(value, dict) else value
         return Report(firmtouch.parse_model(json.dumps(data).encode(), name="pendulum"))
+
+    return make
+
+
+@functools.cache
+def _arm_in_region(region: str, normal_blocks: str, front: tuple[str, str] | None) -> Report:
+    data = YAML(typ="safe", pure=True).load((ROOT / "models" / "planar_3r_circle.yaml").read_text(encoding="utf-8"))
+    data["design"] |= {"method": "region", "region": json.loads(region), "normal_blocks": normal_blocks}
+    return Report(firmtouch.parse_model(json.dumps(data).encode(), name="arm"), front)
+
+
+@pytest.fixture(scope="session")
+def arm_in_region() -> Callable[..., Report]:
+    """Make a report of the 3R arm on its pipe, designed by a search within a region; each is made once."""
+
+    def make(region: dict, *, normal_blocks: str = "decouple", front: tuple[str, str] | None = None) -> Report:
+        return _arm_in_region(json.dumps(region), normal_blocks, front)
 
     return make
 

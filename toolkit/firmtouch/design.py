@@ -179,9 +179,8 @@ def _search_warnings(region: RegionDesign) -> tuple[str, ...]:
     }
     warnings = []
     if region.search.stage in stages:
-        warnings.append(
-            f"The convex search [T4], which is sufficient and not necessary, found no gains; {stages[region.search.stage]}."
-        )
+        found = stages[region.search.stage]
+        warnings.append(f"The convex search [T4], sufficient and not necessary, found no gains; {found}.")
     elif region.search.status is Status.ALMOST:
         warnings.append("The solver came close to its tolerances only; the gains passed every check from their values.")
     return tuple(warnings)

@@ -76,13 +76,10 @@ def pareto_front(problem: RegionProblem, spec: ModelSpec, x: str, y: str) -> Fro
             points.append(best.figures)
     points.append(ends[1])
     units = {"gains": units_of(spec).stiffness, "margin": units_of(spec).stiffness, "cost": "s"}
-    return Front(
-        AXES[x],
-        AXES[y],
-        units[x],
-        units[y],
-        tuple(FrontPoint(SIGNS[x] * each[x], SIGNS[y] * each[y]) for each in points),
-    )
+    shown = tuple(FrontPoint(SIGNS[x] * each[x], SIGNS[y] * each[y]) for each in points)
+    alone = next(iter(problem.objective)) if len(problem.objective) == 1 else None
+    chosen = {x: shown[0], y: shown[-1]}.get(alone) if alone is not None else None
+    return Front(AXES[x], AXES[y], units[x], units[y], shown, chosen)
 
 
 def _only(problem: RegionProblem, name: str, other: str) -> Attempt:

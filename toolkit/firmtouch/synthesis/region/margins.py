@@ -73,11 +73,11 @@ def find_margins(problem: RegionProblem, gains: Gains, loops: tuple[ClosedLoop, 
     `epsilon` is the search's, in 1/s.
     """
     positivity = next(each for each in problem.terms if isinstance(each, Positivity))
-    proof = Proof(problem, gains, epsilon)
+    proof, radius = Proof(problem, gains, epsilon), problem.polytope.remainder_N0
     return Margins(
-        mu=min(positivity.reached(loop) for loop in loops),
-        lambda_d=min(_multiplier_margin(loop, positivity.level) for loop in loops),
-        N0=min(_stiffness_margin(loop, positivity.level) for loop in loops),
+        mu=min(positivity.reached(loop) for loop in loops) - radius / float(np.min(positivity.D)),
+        lambda_d=min(_multiplier_margin(loop, positivity.level, radius) for loop in loops),
+        N0=min(_stiffness_margin(loop, positivity.level, radius) for loop in loops),
         parameters={name: _tolerated(problem, gains, proof, name) for name in problem.polytope.parameters},
         W=_multiplier(problem, gains, proof, "W"),
         C=_multiplier(problem, gains, proof, "C"),
@@ -89,9 +89,12 @@ def _on_level(X: Array, loop: ClosedLoop, level: str) -> Array:
     return X if level == "full" else loop.split.V2.T @ X @ loop.split.V2
 
 
-def _multiplier_margin(loop: ClosedLoop, level: str) -> float:
-    """K - sum_j dlambda_j Phi_j'' > 0: for one constraint a generalised eigenvalue, for more ||sum_j Hj^2||^(-1/2)."""
-    K = _on_level(loop.K, loop, level)
+def _multiplier_margin(loop: ClosedLoop, level: str, radius: float) -> float:
+    """K - sum_j dlambda_j Phi_j'' > 0: for one constraint a generalised eigenvalue, for more ||sum_j Hj^2||^(-1/2).
+
+    `radius` is that of a ball around the polytope, which N0 may lie outside by.
+    """
+    K = _on_level(loop.K - radius * np.eye(len(loop.K)), loop, level)
     values, vectors = np.linalg.eigh(K)
     if values[0] <= 0:
         return 0.0
@@ -101,10 +104,10 @@ def _multiplier_margin(loop: ClosedLoop, level: str) -> float:
     return 1 / size if size > 1 / LARGEST_MULTIPLIER else np.inf
 
 
-def _stiffness_margin(loop: ClosedLoop, level: str) -> float:
+def _stiffness_margin(loop: ClosedLoop, level: str, radius: float) -> float:
     N0, K = (_on_level(X, loop, level) for X in (loop.operating_point.N0, loop.K))
     size = float(np.linalg.norm(N0, 2))
-    return max(float(np.linalg.eigvalsh(K)[0]), 0.0) / size if size else np.inf
+    return max(float(np.linalg.eigvalsh(K)[0]) - radius, 0.0) / size if size else np.inf
 
 
 def _edges(problem: RegionProblem, loops: tuple[ClosedLoop, ...]) -> list[EdgeSlack]:

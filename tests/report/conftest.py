@@ -1,4 +1,4 @@
-"""Reports of the shipped models, each designed and rendered once a process and only as far as a test looks."""
+"""Reports of the shipped models, their poles assigned, each designed and rendered once a process and only as far as a test looks."""
 
 import functools
 import json
@@ -50,7 +50,7 @@ class Report:
 
 @functools.cache
 def shipped(name: str) -> Report:
-    return Report(firmtouch.read_model(ROOT / "models" / f"{name}.yaml"))
+    return Report(firmtouch.read_model(ROOT / "models" / f"{name}.yaml").with_method("poles"))
 
 
 @pytest.fixture(scope="session")

@@ -6,7 +6,6 @@ import argparse
 import json
 import sys
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,7 +15,6 @@ from firmtouch.errors import InputError
 
 if TYPE_CHECKING:
     from firmtouch.design import Design
-    from firmtouch.modelfile import ModelFile
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -24,7 +22,9 @@ def run(arguments: argparse.Namespace) -> int:
     from firmtouch.modelfile import read_model
 
     with working(f"reading {arguments.model}") as progress:
-        model = _with_method(read_model(arguments.model), arguments.method)
+        model = read_model(arguments.model)
+        if arguments.method is not None:
+            model = model.with_method(arguments.method)
         progress("loading the design tools")
         from firmtouch.design import design_model
         from firmtouch.report import verdict, write_files
@@ -45,14 +45,6 @@ def run(arguments: argparse.Namespace) -> int:
     for path in paths:
         console.print(f"  {path}", markup=False, soft_wrap=True)
     return GOOD
-
-
-def _with_method(model: ModelFile, method: str | None) -> ModelFile:
-    """Let the command line choose among the methods that the file describes."""
-    if method is None:
-        return model
-    design = model.spec.design.with_method(method)
-    return replace(model, spec=model.spec.model_copy(update={"design": design}))
 
 
 def _pair(front: str | None) -> tuple[str, str] | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -35,6 +35,17 @@ class ModelFile:
     sha256: str
     spec: ModelSpec
     document: Document = field(compare=False, repr=False)
+
+    def with_method(self, method: str) -> ModelFile:
+        """Choose among the methods that the file's `design` describes.
+
+        Raises
+        ------
+        InputError
+            If the file does not describe this one.
+        """
+        design = self.spec.design.with_method(method)
+        return replace(self, spec=self.spec.model_copy(update={"design": design}))
 
     def mistake(self, message: str, *paths: tuple[str | int, ...]) -> ModelFileError:
         """Make the error of a mistake that was found later, told at each of these entries."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from firmtouch.errors import InputError, NoDesignError
 from firmtouch.mechanics import Array
-from firmtouch.regulation import ClosedLoop, Gains
+from firmtouch.regulation import ClosedLoop, Gains, split_directions
 from firmtouch.regulation.uncertainty import uncertainty_polytope, vertex_point
 from firmtouch.synthesis.region.alternation import general_proof
 from firmtouch.synthesis.region.lmi_region import LmiRegion
@@ -42,7 +42,10 @@ class EdgeSlack:
 
 @dataclass(frozen=True, slots=True)
 class Interval:
-    """The values from `low` to `high` (infinite: no limit was met) for which the poles provably stay in the region."""
+    """The values from `low` to `high` (infinite: no limit was met) for which the design provably still holds.
+
+    That is: the poles lie in the region, and K is positive definite.
+    """
 
     low: float
     high: float
@@ -191,11 +194,20 @@ def _bisected(fine: Callable[[float], bool], good: float, bad: float, accuracy: 
 def _multiplier(problem: RegionProblem, gains: Gains, proof: Proof, which: str) -> Interval:
     """Find a with W -> a W (or C -> a C): as one more vertex, so that all between 1 and a are proven too."""
 
-    def scaled(a: float) -> list[Tangent]:
+    def scaled(a: float) -> list[Tangent] | None:
         W, C = (gains.W * a, gains.C) if which == "W" else (gains.W, gains.C * a)
+        if not _positive(problem, W):
+            return None
         return [*problem.tangents(gains), *problem.tangents(replace(gains, W=W, C=C))]
 
     return Interval(1 / proof.farthest(lambda factor: scaled(1 / factor)), proof.farthest(scaled))
+
+
+def _positive(problem: RegionProblem, W: Array) -> bool:
+    """Tell whether K is positive definite at every vertex, on the level that is asked for."""
+    level = next(each.level for each in problem.terms if isinstance(each, Positivity))
+    V2 = np.eye(len(W)) if level == "full" else split_directions(problem.op.J).V2
+    return all(np.linalg.eigvalsh(V2.T @ (W + point.N0) @ V2)[0] > 0 for point in problem.points)
 
 
 def _tolerated(problem: RegionProblem, gains: Gains, proof: Proof, name: str) -> Interval:
@@ -219,7 +231,8 @@ def _tolerated(problem: RegionProblem, gains: Gains, proof: Proof, name: str) ->
         except (NoDesignError, InputError):
             return None
         points = tuple(vertex_point(problem.op, vertex) for vertex in wider.vertices)
-        return replace(problem, points=points).tangents(gains)
+        there = replace(problem, points=points)
+        return there.tangents(gains) if _positive(there, gains.W) else None
 
     up = proof.farthest(lambda factor: widened(low, high + (factor - 1) * width))
     down = proof.farthest(lambda factor: widened(low - (factor - 1) * width, high))

@@ -173,6 +173,7 @@ def _search_warnings(region: RegionDesign) -> tuple[str, ...]:
     from firmtouch.synthesis.region.programme import Status
 
     stages = {
+        "fewer edges": "gains found for one edge of the region less keep it all the same",
         "poles": "assigning one pair of poles to all free directions reached the region all the same",
         "alternation": "turns between the gains and general Lyapunov matrices found these gains all the same; they are "
         "some that do, and not the best ones",

@@ -45,14 +45,14 @@ _DAMPING: Final = (
     "cos theta (A^T P_m - P_m A), sin theta (P_m A + A^T P_m)) <= 0"
 )
 _BANDWIDTH: Final = 'mat(delim: "[", w P_m, P_m A; A^T P_m, w P_m) >= 0'
-_POLES: Final = (
-    "So the gains come from pole assignment: one pair of poles for all free directions, on a grid over the region, and "
-    "the first one with which all terms hold."
-)
-_ALTERNATION: Final = (
-    "So the gains come from an alternation: Lyapunov matrices of a general form for given gains, then gains for given "
-    "matrices, until all terms hold."
-)
+_RESCUES: Final = {
+    "fewer edges": "So one edge of the region was left out of the search, and the gains that it found keep that edge all "
+    "the same.",
+    "poles": "So the gains come from pole assignment: one pair of poles for all free directions, on a grid over the "
+    "region, and the first one with which all terms hold.",
+    "alternation": "So the gains come from an alternation: Lyapunov matrices of a general form for given gains, then "
+    "gains for given matrices, until all terms hold.",
+}
 _OBJECTIVES: Final[dict[str, Line]] = {
     "gains": ("small gains ", Math("norm(W)_F + omega norm(C)_F")),
     "margin": ("a large margin of (14)",),
@@ -195,11 +195,10 @@ def _found(region: RegionDesign) -> Iterator[Line]:
         )
         yield ("Among all gains that satisfy this, it looked for ", *_objective(region), ".")
         return
-    how = _POLES if record.stage == "poles" else _ALTERNATION
     proof = " General Lyapunov matrices prove the region for all plants between the vertices."
     yield (
         *_in_vain(region),
-        f" {how}{proof if is_uncertain(region) else ''} In the first search {programmes}; all took {total}.",
+        f" {_RESCUES[record.stage]}{proof if is_uncertain(region) else ''} In the first search {programmes}; all took {total}.",
     )
     yield ("These gains satisfy what was asked, and are not the best ones in the sense of the objective.",)
 

@@ -49,7 +49,7 @@ def shape_force(problem: RegionProblem, loop: ClosedLoop) -> ForceShape | None:
     nothing if the bounds leave no room, so that the first stage's blocks stay.
     """
     shaping, unit = _Shaping(problem, loop), problem.units.multiplier
-    first, last = shaping.solve(shaping.transient), shaping.solve(shaping.error)
+    first, last = shaping.solve(shaping.transient), shaping.least_error()
     if first is None or last is None:
         return None
     limits = np.linspace(first[0], last[0], POINTS)
@@ -102,6 +102,11 @@ class _Shaping:
             return None
         return float(self.transient.value), float(self.error.value)
 
+    def least_error(self) -> tuple[float, float] | None:
+        """Minimise the error, and then the transient that goes with it."""
+        found = self.solve(self.error)
+        return found and (self.solve(self.transient, self.error <= (1 + MINOR) * found[1]) or found)
+
     def gains(self) -> Gains:
         """Give the gains of the last solution."""
         W, C = self.variables.values()
@@ -120,10 +125,10 @@ def _chosen(shaping: _Shaping) -> tuple[float, float] | None:
     """Take the point of the front that the file asks for."""
     problem = shaping.problem
     if "force_error" in problem.objective:
-        return shaping.solve(shaping.error + MINOR * shaping.transient)
+        return shaping.least_error()
     asked = [each.asked for each in problem.terms if isinstance(each, DisturbanceForceError)]
     kept = [shaping.error <= each * _reserve(problem) * (1 - INSIDE) for each in asked]
-    return shaping.solve(shaping.transient, *kept) or shaping.solve(shaping.error)
+    return shaping.solve(shaping.transient, *kept) or shaping.least_error()
 
 
 def _reserve(problem: RegionProblem) -> float:

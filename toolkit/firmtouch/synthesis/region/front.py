@@ -61,8 +61,8 @@ def pareto_front(problem: RegionProblem, spec: ModelSpec, x: str, y: str) -> Fro
     ends = [_only(problem, each, other).figures for each, other in ((x, y), (y, x))]
     if not all(ends):
         raise NoDesignError(
-            "there is no front to draw: the convex search finds no gains that are best in one objective alone; "
-            "a largest margin needs something that bounds the gains from above (`bandwidth`, `W`, or `torque`)"
+            "there is no front to draw: the convex search, whose condition is sufficient and not necessary, finds no "
+            "gains that are best in one objective alone (a largest margin also needs something that bounds the gains)"
         )
     variables = problem.variables()
     objective = Objective(variables, problem.terms, {x: 0.0, y: 1.0})

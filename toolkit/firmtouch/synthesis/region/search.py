@@ -14,7 +14,9 @@ from firmtouch.synthesis.region.programme import Attempt, Programme, Status
 RATIOS: Final = (1.5, 1.2, 2.0, 1.05, 1.35, 2.7, 1.1, 4.0)
 """eps / alpha in the order in which feasible designs were met; without a decay rate alpha stands for 0.4 omega."""
 REFINED: Final = 3
-"""Further solves between the neighbours of the best ratio."""
+"""How often the gaps beside the best eps are halved."""
+BEYOND: Final = 1.5
+"""How far above the greatest ratio eps is looked for, relatively."""
 LARGE: Final = 10
 """From this many free directions on a solve takes long, and the first eps with gains is taken."""
 SIGMAS: Final = (0.25, 64.0)
@@ -68,19 +70,23 @@ def _ordered(attempts: list[Attempt]) -> tuple[Attempt, ...]:
 def _refined(
     attempts: list[Attempt], best: Attempt, where: Range, attempt: Callable[[float], Attempt]
 ) -> list[Attempt]:
-    """Halve the gap (in the logarithm) between the best eps and its better neighbour, a few times."""
+    """Halve (in the logarithm) the gaps beside the best eps, a few times: first towards its better neighbour.
+
+    A neighbour without gains counts as the worse one, and its gap is looked into too: the best eps may lie at the edge.
+    """
     more: list[Attempt] = []
+    ends = [Attempt(where.slow, Status.INFEASIBLE), Attempt(min(where.fast, BEYOND * best.epsilon), Status.INFEASIBLE)]
     for _ in range(REFINED):
-        tried = sorted([*attempts, *more], key=lambda each: each.epsilon)
+        tried = sorted([*attempts, *more, *ends], key=lambda each: each.epsilon)
         at = tried.index(best)
-        beside = [tried[i] for i in (at - 1, at + 1) if 0 <= i < len(tried)]
-        beside = beside or [Attempt(where.slow, Status.INFEASIBLE)]
-        neighbour = min(beside, key=lambda each: each.objective)
-        more.append(attempt(float(np.sqrt(best.epsilon * neighbour.epsilon))))
-        if more[-1].objective < best.objective:
-            gain, best = best.objective - more[-1].objective, more[-1]
-            if gain < ENOUGH * abs(best.objective):
+        before = best
+        for neighbour in sorted((tried[at - 1], tried[at + 1]), key=lambda each: each.objective):
+            more.append(attempt(float(np.sqrt(before.epsilon * neighbour.epsilon))))
+            if more[-1].objective < best.objective:
+                best = more[-1]
                 break
+        if not best.objective < before.objective - ENOUGH * abs(before.objective):
+            break
     return more
 
 

@@ -46,8 +46,8 @@ _DAMPING: Final = (
 )
 _BANDWIDTH: Final = 'mat(delim: "[", w P_m, P_m A; A^T P_m, w P_m) >= 0'
 _RESCUES: Final = {
-    "fewer edges": "So one edge of the region was left out of the search, and the gains that it found keep that edge all "
-    "the same.",
+    "fewer edges": "So one edge of the region was left out of a search for small gains, and those that it found keep that "
+    "edge all the same.",
     "poles": "So the gains come from pole assignment: one pair of poles for all free directions, on a grid over the "
     "region, and the first one with which all terms hold.",
     "alternation": "So the gains come from an alternation: Lyapunov matrices of a general form for given gains, then "
@@ -195,11 +195,10 @@ def _found(region: RegionDesign) -> Iterator[Line]:
         )
         yield ("Among all gains that satisfy this, it looked for ", *_objective(region), ".")
         return
-    proof = " General Lyapunov matrices prove the region for all plants between the vertices."
-    yield (
-        *_in_vain(region),
-        f" {_RESCUES[record.stage]}{proof if is_uncertain(region) else ''} In the first search {programmes}; all took {total}.",
-    )
+    how = _RESCUES[record.stage]
+    if is_uncertain(region):
+        how += " General Lyapunov matrices prove the region for all plants between the vertices."
+    yield (*_in_vain(region), f" {how} In the first search {programmes}; all took {total}.")
     yield ("These gains satisfy what was asked, and are not the best ones in the sense of the objective.",)
 
 

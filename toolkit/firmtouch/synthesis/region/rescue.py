@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, Final
 
 import cvxpy as cp
@@ -54,7 +55,8 @@ def without_one_edge(problem: RegionProblem) -> Gains | None:
     """Ask for one edge of the region less: gains that are small often keep it all the same."""
     for term in reversed(problem.terms):
         if isinstance(term, RegionTerm):
-            fewer = problem.with_terms(tuple(each for each in problem.terms if each is not term))
+            rest = tuple(each for each in problem.terms if each is not term)
+            fewer = replace(problem.with_terms(rest), objective={"gains": 1.0})
             best = ConvexSearch(fewer).run().best
             gains = gains_of(fewer, best) if best.status.has_gains else None
             if gains is not None and problem.audit(gains).holds and proven(problem, gains):

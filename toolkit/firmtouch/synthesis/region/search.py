@@ -85,7 +85,7 @@ def _refined(
             if more[-1].objective < best.objective:
                 best = more[-1]
                 break
-        if not best.objective < before.objective - ENOUGH * abs(before.objective):
+        if 0 < before.objective - best.objective < ENOUGH * abs(before.objective):
             break
     return more
 

@@ -46,8 +46,8 @@ _DAMPING: Final = (
 )
 _BANDWIDTH: Final = 'mat(delim: "[", w P_m, P_m A; A^T P_m, w P_m) >= 0'
 _RESCUES: Final = {
-    "fewer edges": "So one edge of the region was left out of a search for small gains, and those that it found keep that "
-    "edge all the same.",
+    "fewer edges": "So one edge of the region was left out of a search for small gains, and those that it found "
+    "keep that edge all the same.",
     "poles": "So the gains come from pole assignment: one pair of poles for all free directions, on a grid over the "
     "region, and the first one with which all terms hold.",
     "alternation": "So the gains come from an alternation: Lyapunov matrices of a general form for given gains, then "

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from typing import Final
 
 from firmtouch.errors import NoDesignError
 from firmtouch.synthesis.region.audit import Audit
-from firmtouch.synthesis.region.objective import Objective
+from firmtouch.synthesis.region.convex import ConvexSearch
 from firmtouch.synthesis.region.problem import RegionProblem
-from firmtouch.synthesis.region.programme import Programme, Status
+from firmtouch.synthesis.region.programme import Status
 from firmtouch.synthesis.region.terms.positivity import Positivity
-from firmtouch.synthesis.region.terms.term import RegionTerm, Term
+from firmtouch.synthesis.region.terms.term import Term
 
 EASIEST: Final = 1e3
 """A term that had to be eased by more than this factor is as good as dropped."""
@@ -75,7 +75,7 @@ def explain(problem: RegionProblem, status: Status) -> NoGainsError:
         return NoGainsError(Verdict[status.name], ())
     members = irreducible(problem)
     conflict = tuple(Ease(each, _needed(problem, members, each)) for each in members)
-    exact = not any(isinstance(each, RegionTerm) for each in members)
+    exact = all(each.exact for each in members)
     return NoGainsError(Verdict.INFEASIBLE if exact and members else Verdict.CONSERVATIVE, conflict)
 
 
@@ -101,10 +101,8 @@ def irreducible(problem: RegionProblem) -> tuple[Term, ...]:
 
 def has_gains(problem: RegionProblem, terms: tuple[Term, ...]) -> bool:
     """Tell whether the convex search finds gains for some terms: the first eps with any will do."""
-    eased = problem.with_terms(terms)
-    variables = eased.variables()
-    programme = Programme(variables, terms, Objective(variables, terms, {"gains": 1.0}))
-    return any(programme.solve(epsilon).status in (Status.SOLVED, Status.ALMOST) for epsilon in eased.where.epsilons())
+    eased = replace(problem.with_terms(terms), objective={"gains": 1.0})
+    return ConvexSearch(eased, checked=False).first().best.status.has_gains
 
 
 def _needed(problem: RegionProblem, members: tuple[Term, ...], term: Term) -> float:

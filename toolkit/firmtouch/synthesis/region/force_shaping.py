@@ -88,7 +88,6 @@ class _Shaping:
     def _kept(self) -> list[Any]:
         """Keep the tangent blocks, and with them the poles, and all terms about W, C and K."""
         v, scaling, gains = self.variables, self.problem.scaling, self.loop.gains
-        v.eps.value = self.problem.where.slow / scaling.omega
         others = (each for each in self.problem.terms if not isinstance(each, (RegionTerm, *FORCE_TERMS)))
         return [
             scaling.tangent(gains.W) / scaling.omega**2 == v.W22,

@@ -108,8 +108,7 @@ def _multiplier_margin(loop: ClosedLoop, level: str, radius: float) -> float:
 
 
 def _stiffness_margin(loop: ClosedLoop, level: str, radius: float) -> float:
-    N0, K = (_on_level(X, loop, level) for X in (loop.operating_point.N0, loop.K))
-    size = float(np.linalg.norm(N0, 2))
+    K, size = _on_level(loop.K, loop, level), float(np.linalg.norm(loop.operating_point.N0, 2))
     return max(float(np.linalg.eigvalsh(K)[0]) - radius, 0.0) / size if size else np.inf
 
 

@@ -69,6 +69,7 @@ class Attempt:
     objective: float = float("inf")
     W: Array | None = None
     C: Array | None = None
+    sigma: float = 1.0
     figures: dict[str, float] = field(default_factory=dict)
 
 
@@ -104,7 +105,7 @@ class Programme:
             return Attempt(epsilon, status)
         W, C = v.values()
         figures = {name: float(each.value) for name, each in self.objective.expressions.items()}
-        return Attempt(epsilon, status, float(self.problem.value), W, C, figures)
+        return Attempt(epsilon, status, float(self.problem.value), W, C, sigma, figures)
 
     def _run(self, settings: dict[str, Any]) -> Status:
         self.solves += 1

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any, Final
+from typing import Final
 
 import cvxpy as cp
 import numpy as np
@@ -22,11 +22,11 @@ from firmtouch.synthesis.region.alternation import (
     solve_quietly,
 )
 from firmtouch.synthesis.region.convex import ConvexSearch, gains_of
+from firmtouch.synthesis.region.elastic import SMALL_GAINS, Elastic, size_of
 from firmtouch.synthesis.region.lmi_region import LmiRegion
 from firmtouch.synthesis.region.problem import RegionProblem
 from firmtouch.synthesis.region.proof import best_energy_slack
 from firmtouch.synthesis.region.terms.term import RegionTerm, Term
-from firmtouch.synthesis.region.variables import Variables
 
 FREQUENCIES: Final = 25
 SPREAD: Final = 20.0
@@ -34,9 +34,6 @@ SPREAD: Final = 20.0
 DAMPINGS: Final = (1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 1.2)
 STARTS: Final = 3
 """Values of eps from whose least-missing gains the alternation begins."""
-SMALL_EPS: Final = 1e-3
-SMALL_GAINS: Final = 1e-4
-"""The weight of the gains beside the slack."""
 
 
 def rescue(problem: RegionProblem) -> tuple[Gains | None, str]:
@@ -92,36 +89,17 @@ def proven(problem: RegionProblem, gains: Gains) -> bool:
 
 def alternate(problem: RegionProblem) -> Gains | None:
     """Look for gains in turns: given them the best Lyapunov matrices, given these the best gains."""
-    pole_terms = tuple(each for each in problem.terms if isinstance(each, RegionTerm))
     others = tuple(each for each in problem.terms if not isinstance(each, RegionTerm))
-    regions = [each.region().in_time_unit(problem.scaling.omega) for each in pole_terms]
+    regions = [
+        each.region().in_time_unit(problem.scaling.omega) for each in problem.terms if isinstance(each, RegionTerm)
+    ]
     if not regions:
         return None
-    for gains in least_missing(problem, regions, others):
-        found = _in_turns(problem, regions, others, gains)
+    for start in Elastic(problem).best()[:STARTS]:
+        found = _in_turns(problem, regions, others, start.gains)
         if found is not None:
             return found
     return None
-
-
-def least_missing(problem: RegionProblem, regions: Sequence[LmiRegion], others: tuple[Term, ...]) -> list[Gains]:
-    """Give the gains that miss the inequalities of [T4] by least, for the best few eps, the best first."""
-    variables, slack = problem.variables(), cp.Variable()
-    constraints = [slack <= 1, *(each for term in others for each in term.constraints(variables))]
-    constraints += [each for region in regions for each in variables.in_region(region, slack)]
-    aim = slack - SMALL_GAINS * _size(variables)
-    programme = cp.Problem(cp.Maximize(aim), constraints)
-    found = []
-    for epsilon in problem.where.epsilons():
-        variables.eps.value = epsilon / problem.scaling.omega
-        if solve_quietly(programme):
-            found.append((float(slack.value), problem.gains(*variables.values())))
-    found.sort(key=lambda each: -each[0])
-    return [gains for _, gains in found[:STARTS]]
-
-
-def _size(variables: Variables) -> Any:  # noqa: ANN401  # a cvxpy expression
-    return cp.norm(variables.W, "fro") + cp.norm(variables.C, "fro")
 
 
 def _in_turns(
@@ -147,12 +125,11 @@ def _best_gains(
     """Maximise the slack over the gains and P, with the multipliers fixed, and all other terms kept."""
     variables, slack = problem.variables(), cp.Variable()
     constraints = [slack <= 1, *(each for term in others for each in term.constraints(variables))]
-    variables.eps.value = SMALL_EPS  # Pm > 0 is not what proves these gains
     for region, multiplier in zip(regions, multipliers, strict=True):
         for corner, K22 in zip(variables.corners, variables.K22, strict=True):
             G = cp.hstack([K22, variables.C22, corner.M22])
             product = multiplier.F.T @ G + G.T @ multiplier.F
             constraints += lyapunov_constraints(region, product, variables.t, slack, 0.0)
-    if not solve_quietly(cp.Problem(cp.Maximize(slack - SMALL_GAINS * _size(variables)), constraints)):
+    if not solve_quietly(cp.Problem(cp.Maximize(slack - SMALL_GAINS * size_of(variables)), constraints)):
         return None
     return problem.gains(*variables.values())

@@ -19,9 +19,9 @@ BEYOND: Final = 1.5
 """How far above the greatest ratio eps is looked for, relatively."""
 LARGE: Final = 10
 """From this many free directions on a solve takes long, and the first eps with gains is taken."""
-SIGMAS: Final = (0.25, 64.0)
-"""Where the cost's multiplier is looked for, around the value of a single mass."""
 SIGMA_STEPS: Final = 8
+WALL: Final = 1e12
+"""What a search over the cost's multiplier sees where there are no gains."""
 ENOUGH: Final = 1e-3
 
 
@@ -37,43 +37,30 @@ class Range:
         return tuple(ratio * self.slow for ratio in RATIOS if ratio * self.slow < self.fast)
 
 
-def search(
-    programme: Programme, where: Range, accept: Callable[[Attempt], bool], sigma: Callable[[float], float] | None
-) -> tuple[Attempt, ...]:
-    """Try ratios, refine around the best, and give all attempts, the best one first.
-
-    `accept` re-checks gains; an attempt that it refuses counts as trouble. `sigma` gives the cost's natural multiplier
-    for an eps, if there is a cost.
-    """
-
-    def attempt(epsilon: float) -> Attempt:
-        found = programme.solve(epsilon) if sigma is None else _with_multiplier(programme, epsilon, sigma(epsilon))
-        return found if not found.status.has_gains or accept(found) else Attempt(epsilon, Status.TROUBLE)
-
+def search(attempt: Callable[[float], Attempt], where: Range, *, large: bool) -> tuple[Attempt, ...]:
+    """Try ratios, refine around the best, and give all attempts, the best one first."""
     attempts: list[Attempt] = []
     for epsilon in where.epsilons():
         attempts.append(attempt(epsilon))
-        if attempts[-1].status.has_gains and programme.variables.t >= LARGE:
-            return _ordered(attempts)
-    best = _ordered(attempts)[0]
-    if best.status.has_gains:
-        attempts += _refined(attempts, best, where, attempt)
-    return _ordered(attempts)
+        if attempts[-1].status.has_gains and large:
+            return ordered(attempts)
+    return refined(attempts, where, attempt)
 
 
-def _ordered(attempts: list[Attempt]) -> tuple[Attempt, ...]:
+def ordered(attempts: list[Attempt]) -> tuple[Attempt, ...]:
     """Best first; of those without gains, trouble before infeasibility, as it says less."""
     order = {Status.SOLVED: 0, Status.ALMOST: 0, Status.UNBOUNDED: 1, Status.TROUBLE: 2, Status.INFEASIBLE: 3}
     return tuple(sorted(attempts, key=lambda each: (order[each.status], each.objective)))
 
 
-def _refined(
-    attempts: list[Attempt], best: Attempt, where: Range, attempt: Callable[[float], Attempt]
-) -> list[Attempt]:
+def refined(attempts: list[Attempt], where: Range, attempt: Callable[[float], Attempt]) -> tuple[Attempt, ...]:
     """Halve (in the logarithm) the gaps beside the best eps, a few times: first towards its better neighbour.
 
     A neighbour without gains counts as the worse one, and its gap is looked into too: the best eps may lie at the edge.
     """
+    best = ordered(attempts)[0]
+    if not best.status.has_gains:
+        return ordered(attempts)
     more: list[Attempt] = []
     ends = [Attempt(where.slow, Status.INFEASIBLE), Attempt(min(where.fast, BEYOND * best.epsilon), Status.INFEASIBLE)]
     for _ in range(REFINED):
@@ -87,17 +74,17 @@ def _refined(
                 break
         if 0 < before.objective - best.objective < ENOUGH * abs(before.objective):
             break
-    return more
+    return ordered([*attempts, *more])
 
 
-def _with_multiplier(programme: Programme, epsilon: float, natural: float) -> Attempt:
-    """Minimise over the cost's multiplier sigma."""
-    tried: list[Attempt] = []
+def with_multiplier(programme: Programme, epsilon: float, around: float, span: tuple[float, float]) -> Attempt:
+    """Minimise over the cost's multiplier sigma, between two multiples of a first value, which is tried as well."""
+    tried = [programme.solve(epsilon, around)]
 
     def value(logarithm: float) -> float:
-        tried.append(programme.solve(epsilon, natural * float(np.exp(logarithm))))
-        return min(tried[-1].objective, 1e12)
+        tried.append(programme.solve(epsilon, around * float(np.exp(logarithm))))
+        return min(tried[-1].objective, WALL)
 
-    low, high = np.log(SIGMAS)
-    scipy.optimize.minimize_scalar(value, bounds=(low, high), method="bounded", options={"maxiter": SIGMA_STEPS})
-    return _ordered(tried)[0]
+    bounds = (float(np.log(span[0])), float(np.log(span[1])))
+    scipy.optimize.minimize_scalar(value, bounds=bounds, method="bounded", options={"maxiter": SIGMA_STEPS})
+    return ordered(tried)[0]

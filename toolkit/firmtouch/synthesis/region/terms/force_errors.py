@@ -30,6 +30,11 @@ class OffsetForceError(Term):
     reference: Array | None = None
     """L, m x (n - m); zero if it is not known yet."""
 
+    @property
+    def exact(self) -> bool:
+        """Tell that the constraint holds around a reference."""
+        return False
+
     def constraints(self, variables: Variables) -> Constraints:
         """Bound N^T K N at every corner, in units of the bound."""
         split, scaling = variables.split, variables.scaling
@@ -63,6 +68,11 @@ class DisturbanceForceError(Term):
     feedback: Array = field(default_factory=lambda: np.zeros((0, 0)))
     reference: Array | None = None
     """G, (n - m) x (n - m) in N m/rad; without it the term waits for the first round."""
+
+    @property
+    def exact(self) -> bool:
+        """Tell that the constraint holds around a reference."""
+        return False
 
     def constraints(self, variables: Variables) -> Constraints:
         """Bound L through K12 and K22, in mass-normalised coordinates."""

@@ -47,6 +47,11 @@ class GuaranteedCost(Term):
         """Tell whether a bound was asked for."""
         return bool(np.isfinite(self.asked))
 
+    @property
+    def exact(self) -> bool:
+        """V bounds the cost, and does so with room."""
+        return False
+
     def weights(self, T: Array, omega: float) -> tuple[Array, Array]:
         """Give Q and the inverse shape of the ellipsoid of starts, for x = (z, dz/d(omega t))."""
         Q, E = (
@@ -75,7 +80,7 @@ class GuaranteedCost(Term):
         frame = scaling.joint[:, None] * scaling.T
         reach = scaling.omega**2 * scaling.joint / self.torque
         U = cp.bmat([[(reach[:, None] * np.eye(v.n)) @ X @ frame for X in (v.W, v.C)]])
-        constraints: Constraints = []
+        constraints = v.energy_positive()
         for i in range(len(v.corners)):
             PA, P = v.motion(i), v.energy(i)
             apart = STRICT + v.cushion.N * (1 + v.eps) + v.cushion.M * v.eps

@@ -12,7 +12,7 @@ import scipy.linalg
 from firmtouch.mechanics import Array
 from firmtouch.regulation import ClosedLoop
 from firmtouch.synthesis.region.terms.term import Term
-from firmtouch.synthesis.region.variables import STRICT, Constraints, Variables
+from firmtouch.synthesis.region.variables import Constraints, Variables
 
 CLEAR: Final = 1e-3
 """The least of W, C and K beyond what is asked, in scaled coordinates: positive definite, and seen to be."""
@@ -22,8 +22,7 @@ CLEAR: Final = 1e-3
 class Positivity(Term):
     """K = W + N0 >= mu D (14), C > 0 and, on the full level, W > 0; D is a positive diagonal scale of units.
 
-    On the tangent level all this is asked of the tangent blocks, and nothing of W. Pm > 0 is asked on either level:
-    it makes V = x^T Pm x / 2 a Lyapunov function.
+    On the tangent level all this is asked of the tangent blocks, and nothing of W.
     """
 
     name: str = "margin of (14)"
@@ -37,16 +36,12 @@ class Positivity(Term):
         """Ask for it at every corner, clear of the balls around the polytope."""
         v, scaling = variables, variables.scaling
         tangent, full = np.eye(v.t), np.eye(v.n)
-        constraints: Constraints = []
-        for i in range(len(v.corners)):
-            apart = v.cushion.N + v.eps * v.cushion.M + v.cushion.M
-            constraints.append(v.energy(i) >> (STRICT + apart) * np.eye(2 * v.t))
         if self.level == "full":
             margin = self.asked * scaling.scaled_stiffness(np.diag(self.D))
-            constraints += [K >> margin + (CLEAR + v.cushion.N_full) * full for K in v.K]
+            constraints = [K >> margin + (CLEAR + v.cushion.N_full) * full for K in v.K]
             return [*constraints, v.C >> CLEAR * full, v.W >> CLEAR * full]
         margin = self.asked * scaling.tangent(np.diag(self.D)) / scaling.omega**2
-        constraints += [K22 >> margin + (CLEAR + v.cushion.N) * tangent for K22 in v.K22]
+        constraints = [K22 >> margin + (CLEAR + v.cushion.N) * tangent for K22 in v.K22]
         return [*constraints, v.C22 >> CLEAR * tangent]
 
     def reached(self, loop: ClosedLoop) -> float:

@@ -28,6 +28,11 @@ class PositionError(Term):
     at_most: bool = True
     semi_axes: Array = field(default_factory=lambda: np.zeros(0))
 
+    @property
+    def exact(self) -> bool:
+        """Tell whether the forces fill a ball."""
+        return bool(np.ptp(self.semi_axes) == 0)
+
     def constraints(self, variables: Variables) -> Constraints:
         """Ask for it at every corner, in units of the largest entry of G."""
         V2, T, scaling = variables.split.V2, variables.scaling.T, variables.scaling

@@ -22,6 +22,11 @@ class Term(ABC):
     nominal: bool = False
     """Whether the term is about the nominal plant alone."""
 
+    @property
+    def exact(self) -> bool:
+        """Tell whether the constraints lose nothing: gains that reach the term satisfy them."""
+        return True
+
     @abstractmethod
     def constraints(self, variables: Variables) -> Constraints:
         """Give the convex constraints on the gains that make the term hold at every corner."""
@@ -52,6 +57,11 @@ class Term(ABC):
 class RegionTerm(Term):
     """A term that asks for the poles to lie in a region of the complex plane [T4]."""
 
+    @property
+    def exact(self) -> bool:
+        """Pm has a special form, so that the inequality is sufficient only."""
+        return False
+
     @abstractmethod
     def region(self) -> LmiRegion:
         """Give the region."""
@@ -62,4 +72,5 @@ class RegionTerm(Term):
 
     def constraints(self, variables: Variables) -> Constraints:
         """Ask for the region at every corner, with one Lyapunov matrix that is affine in the gains."""
-        return variables.in_region(self.region().in_time_unit(variables.scaling.omega))
+        region = self.region().in_time_unit(variables.scaling.omega)
+        return [*variables.energy_positive(), *variables.in_region(region)]

@@ -12,6 +12,7 @@ import scipy.optimize
 from firmtouch.regulation import Gains
 from firmtouch.synthesis.region.alternation import solve_quietly
 from firmtouch.synthesis.region.problem import RegionProblem
+from firmtouch.synthesis.region.search import BEYOND
 from firmtouch.synthesis.region.terms.term import RegionTerm
 from firmtouch.synthesis.region.variables import STRICT, Variables
 
@@ -42,7 +43,7 @@ class Elastic:
             else:
                 constraints += term.constraints(v)
         aim = self._slack - SMALL_GAINS * size_of(v)
-        self._programme = cp.Problem(cp.Maximize(aim), [*constraints, *v.energy_positive()])
+        self._programme = cp.Problem(cp.Maximize(aim), [*constraints, *v.energy_positive(self._slack)])
 
     def at(self, epsilon: float) -> Missing | None:
         """Solve for one eps."""
@@ -64,9 +65,9 @@ class Elastic:
         return found[0].epsilon if found and found[0].slack > STRICT else None
 
     def _between(self, tried: list[Missing]) -> list[Missing]:
-        at = max(range(len(tried)), key=lambda i: tried[i].slack)
-        low = tried[max(at - 1, 0)].epsilon
-        high = tried[min(at + 1, len(tried) - 1)].epsilon
+        where, at = self.problem.where, max(range(len(tried)), key=lambda i: tried[i].slack)
+        low = tried[at - 1].epsilon if at else where.slow
+        high = tried[at + 1].epsilon if at + 1 < len(tried) else min(where.fast, BEYOND * tried[at].epsilon)
         more: list[Missing] = []
 
         def value(logarithm: float) -> float:
@@ -74,9 +75,8 @@ class Elastic:
             more.extend([found] if found is not None else [])
             return -found.slack if found is not None else 1.0
 
-        if low < high:
-            bounds = (float(np.log(low)), float(np.log(high)))
-            scipy.optimize.minimize_scalar(value, bounds=bounds, method="bounded", options={"maxiter": STEPS})
+        bounds = (float(np.log(low)), float(np.log(high)))
+        scipy.optimize.minimize_scalar(value, bounds=bounds, method="bounded", options={"maxiter": STEPS})
         return more
 
 

@@ -76,9 +76,9 @@ class Variables:
         M, K, C = self.corners[corner].M22, self.K22[corner], self.C22
         return cp.bmat([[-self.eps * K, K - self.eps * C], [-K, self.eps * M - C]])
 
-    def energy_positive(self) -> Constraints:
-        """Ask for Pm > 0 at every corner, which makes V = x^T Pm x / 2 a Lyapunov function."""
-        apart = STRICT + self.cushion.N + self.cushion.M * (1 + self.eps)
+    def energy_positive(self, slack: Any = STRICT) -> Constraints:  # noqa: ANN401  # a cvxpy expression
+        """Ask for Pm > slack at every corner: positive, it makes V = x^T Pm x / 2 a Lyapunov function."""
+        apart = slack + self.cushion.N + self.cushion.M * (1 + self.eps)
         return [self.energy(i) >> apart * np.eye(2 * self.t) for i in range(len(self.corners))]
 
     def in_region(self, region: LmiRegion, slack: Any = STRICT) -> Constraints:  # noqa: ANN401  # a cvxpy expression

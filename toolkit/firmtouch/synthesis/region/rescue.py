@@ -32,6 +32,9 @@ FREQUENCIES: Final = 25
 SPREAD: Final = 20.0
 """Without a bandwidth, poles up to this factor faster than the decay rate are tried."""
 DAMPINGS: Final = (1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 1.2)
+PATIENCE: Final = 3
+GROWTH: Final = 0.05
+"""By which part of itself the slack of the alternation must grow in so many rounds."""
 STARTS: Final = 3
 """Values of eps from whose least-missing gains the alternation begins."""
 
@@ -105,23 +108,26 @@ def alternate(problem: RegionProblem) -> Gains | None:
 def _in_turns(
     problem: RegionProblem, regions: Sequence[LmiRegion], others: tuple[Term, ...], gains: Gains
 ) -> Gains | None:
+    """Go on for as long as the slack grows: a few hundredths of itself in three rounds, or it is given up."""
+    slacks: list[float] = []
     for _ in range(ROUNDS):
         tangents = problem.tangents(gains)
-        multipliers = [best_multiplier(tangents, region) for region in regions]
-        if any(each is None for each in multipliers):
-            return None
-        better = _best_gains(problem, regions, others, [each for each in multipliers if each is not None])
+        multipliers = [each for region in regions if (each := best_multiplier(tangents, region)) is not None]
+        better = _best_gains(problem, regions, others, multipliers) if len(multipliers) == len(regions) else None
         if better is None:
             return None
-        gains = better
+        gains, slack = better
         if problem.audit(gains).holds and proven(problem, gains):
             return gains
+        slacks.append(slack)
+        if len(slacks) > PATIENCE and slack - slacks[-1 - PATIENCE] < GROWTH * abs(slack):
+            return None
     return None
 
 
 def _best_gains(
     problem: RegionProblem, regions: Sequence[LmiRegion], others: tuple[Term, ...], multipliers: Sequence[Multiplier]
-) -> Gains | None:
+) -> tuple[Gains, float] | None:
     """Maximise the slack over the gains and P, with the multipliers fixed, and all other terms kept."""
     variables, slack = problem.variables(), cp.Variable()
     constraints = [slack <= 1, *(each for term in others for each in term.constraints(variables))]
@@ -132,4 +138,4 @@ def _best_gains(
             constraints += lyapunov_constraints(region, product, variables.t, slack, 0.0)
     if not solve_quietly(cp.Problem(cp.Maximize(slack - SMALL_GAINS * size_of(variables)), constraints)):
         return None
-    return problem.gains(*variables.values())
+    return problem.gains(*variables.values()), float(slack.value)

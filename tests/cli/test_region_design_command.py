@@ -86,3 +86,14 @@ def test_an_interval_without_an_inertia_is_told_at_its_place(design):
     assert code == 2
     assert line_and_column("[2.0 kg, 3.0 kg]") in err
     assert "not positive definite at m3 = -90" in err
+
+
+def test_the_least_force_error_needs_blocks_that_are_free(design):
+    replace = [
+        ("method: poles", "method: region"),
+        ("structure: diagonal", "structure: full\n    objective: force_error"),
+    ]
+    code, _, err = design(replace=replace)
+    assert code == 2
+    assert "normal_blocks: free" in err
+    assert "arm.yaml:" in err

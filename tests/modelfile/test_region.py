@@ -135,7 +135,7 @@ VALUES = {
     "force error": ("force_error: {disturbance: 2 N}", "force_error.disturbance", 2),
     "force error by an offset": ("force_error: {offset: 1 kN}", "force_error.offset", 1000),
     "objective": ("objective: margin", "objective", {"margin": 1}),
-    "objectives": ("objective: {gains: 1, force_error: 0.5}", "objective", {"gains": 1, "force_error": 0.5}),
+    "objectives": ("objective: {gains: 1, margin: 0.5}", "objective", {"gains": 1, "margin": 0.5}),
     "limit of the force path": ("force_feedback_limit: 3", "force_feedback_limit", (3,)),
     "limits of the force path": ("force_feedback_limit: [0.8]", "force_feedback_limit", (0.8,)),
     "uncertain parameters": ("uncertainty: {parameters: [m]}", "uncertainty.parameters", ("m",)),

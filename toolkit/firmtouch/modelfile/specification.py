@@ -104,8 +104,12 @@ class ModelSpec(Section):
             if asked is not None and getattr(self.bounds, bound) is None:
                 message = f"this needs `bounds: {bound}`, the cause of the error, which is not given"
                 yield Problem(message, path=("design", "region", *path), at_key=True)
+        shaped = region.structure.kind == "full" and self.design.normal_blocks.policy == "free"
         if "force_error" in region.objective and force is None and self.bounds.disturbance is None:
             message = "the objective `force_error` needs `force_error`, or `bounds: disturbance`"
+            yield Problem(message, path=("design", "region", "objective", "force_error"), at_key=True)
+        elif "force_error" in region.objective and self.design.method == "region" and not shaped:
+            message = "the objective `force_error` chooses K12: it needs `structure: full` and `normal_blocks: free`"
             yield Problem(message, path=("design", "region", "objective", "force_error"), at_key=True)
 
     def _uncertainty(self, uncertain: UncertaintySpec | None) -> Iterator[Problem]:

@@ -19,7 +19,7 @@ from firmtouch.synthesis.region.margins import Margins, find_margins
 from firmtouch.synthesis.region.problem import RegionProblem, build_problem
 from firmtouch.synthesis.region.programme import Status, Stopwatch
 from firmtouch.synthesis.region.rescue import rescue
-from firmtouch.synthesis.region.terms.force_errors import DisturbanceForceError, OffsetForceError
+from firmtouch.synthesis.region.terms.force_errors import DisturbanceForceError, ForceError
 
 ROUNDS: Final = 5
 """Of sequential programmes around a reference."""
@@ -105,7 +105,7 @@ def solve_problem(problem: RegionProblem, progress: Callable[[str], None] = lamb
 
 def _first_stage(problem: RegionProblem, progress: Callable[[str], None]) -> tuple[Gains, str, Found]:
     """Find W and C for all terms but those that the second stage sees to, or that need a reference."""
-    asked = tuple(each for each in problem.terms if not isinstance(each, DisturbanceForceError | OffsetForceError))
+    asked = tuple(each for each in problem.terms if not isinstance(each, ForceError))
     plain = problem.with_terms(asked)
     found = ConvexSearch(plain).run()
     if found.best.status.has_gains:
@@ -131,7 +131,7 @@ def _around(problem: RegionProblem, gains: Gains) -> tuple[Gains, str]:
         L = K.X12 @ np.linalg.inv(K.X22)
         terms = tuple(
             replace(each, reference=K.X22 if isinstance(each, DisturbanceForceError) else L)
-            if isinstance(each, DisturbanceForceError | OffsetForceError)
+            if isinstance(each, ForceError)
             else each
             for each in problem.terms
         )

@@ -23,7 +23,7 @@ from firmtouch.synthesis.region.alternation import solve_quietly
 from firmtouch.synthesis.region.front import Front, FrontPoint
 from firmtouch.synthesis.region.problem import RegionProblem
 from firmtouch.synthesis.region.programme import INSIDE, inside
-from firmtouch.synthesis.region.terms.force_errors import DisturbanceForceError, OffsetForceError
+from firmtouch.synthesis.region.terms.force_errors import DisturbanceForceError, ForceError
 from firmtouch.synthesis.region.terms.term import RegionTerm
 
 POINTS: Final = 9
@@ -31,7 +31,6 @@ MINOR: Final = 1e-3
 """The weight of what only breaks ties."""
 NEGLIGIBLE: Final = 1e-6
 """Entries of G_f below this are the solver's rounding."""
-FORCE_TERMS: Final = (DisturbanceForceError, OffsetForceError)
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,7 +87,7 @@ class _Shaping:
     def _kept(self) -> list[Any]:
         """Keep the tangent blocks, and with them the poles, and all terms about W, C and K."""
         v, scaling, gains = self.variables, self.problem.scaling, self.loop.gains
-        others = (each for each in self.problem.terms if not isinstance(each, (RegionTerm, *FORCE_TERMS)))
+        others = (each for each in self.problem.terms if not isinstance(each, RegionTerm | ForceError))
         return [
             scaling.tangent(gains.W) / scaling.omega**2 == v.W22,
             scaling.tangent(gains.C) / scaling.omega == v.C22,
@@ -145,7 +144,7 @@ def _least_feedback(problem: RegionProblem, gains: Gains) -> Array:
     Y = (I + G_f)^-1 is as large as it may be: maximise trace Y subject to (I + limit)^-1 <= Y <= I and the errors,
     which are linear in Y. Without a limit, or without an asked error, G_f stays as the file has it.
     """
-    terms = [each for each in problem.terms if isinstance(each, FORCE_TERMS)]
+    terms = [each for each in problem.terms if isinstance(each, ForceError)]
     if problem.feedback_limit is None or not terms:
         return problem.G_f
     m = len(problem.G_f)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from dataclasses import dataclass, field
 
 import cvxpy as cp
@@ -15,25 +16,42 @@ from firmtouch.synthesis.region.variables import Constraints, Variables
 
 
 @dataclass(frozen=True, kw_only=True)
-class OffsetForceError(Term):
-    """||dlambda_ss|| <= gamma for all offsets within the ellipsoid with semi-axes Delta_j, Eq. (32).
+class ForceError(Term):
+    """||dlambda_ss|| <= gamma for all causes within an ellipsoid with these semi-axes; `feedback` is Lambda.
 
-    dlambda_ss = Lambda U S^-1 X S^-1 U^T Delta with the Schur complement X = K11 - K12 K22^-1 K12^T, which is the least
-    of N^T K N over all N = V1 - V2 L^T. So any L gives a linear condition that suffices: S^-1 N^T K N S^-1 <= x I. With
-    L = K12 K22^-1 itself nothing is lost for m = 1, or where Lambda and the semi-axes are multiples of one.
+    The constraints of its kinds hold around a `reference`, which comes from gains found before.
     """
 
-    name: str = "force error under offset"
     at_most: bool = True
     semi_axes: Array = field(default_factory=lambda: np.zeros(0))
     feedback: Array = field(default_factory=lambda: np.zeros((0, 0)))
     reference: Array | None = None
-    """L, m x (n - m); zero if it is not known yet."""
 
     @property
     def exact(self) -> bool:
         """Tell that the constraint holds around a reference."""
         return False
+
+    @abstractmethod
+    def matrix(self, loop: ClosedLoop) -> Array:
+        """Give dlambda_ss for each unit of the cause."""
+
+    def reached(self, loop: ClosedLoop) -> float:
+        """Give the worst force error."""
+        return float(np.linalg.norm(self.matrix(loop) * self.semi_axes, 2))
+
+
+@dataclass(frozen=True, kw_only=True)
+class OffsetForceError(ForceError):
+    """||dlambda_ss|| <= gamma for all offsets within the ellipsoid with semi-axes Delta_j, Eq. (32).
+
+    dlambda_ss = Lambda U S^-1 X S^-1 U^T Delta with the Schur complement X = K11 - K12 K22^-1 K12^T, which is the least
+    of N^T K N over all N = V1 - V2 L^T. So any L gives a linear condition that suffices: S^-1 N^T K N S^-1 <= x I. With
+    L = K12 K22^-1 itself nothing is lost for m = 1, or where Lambda and the semi-axes are multiples of one.
+    The reference is L (m x (n-m)), zero if it is not known yet.
+    """
+
+    name: str = "force error under offset"
 
     def constraints(self, variables: Variables) -> Constraints:
         """Bound N^T K N at every corner, in units of the bound."""
@@ -48,31 +66,18 @@ class OffsetForceError(Term):
         """Give dlambda_ss / Delta."""
         return offset_matrices(loop)[1]
 
-    def reached(self, loop: ClosedLoop) -> float:
-        """Give the worst force error."""
-        return float(np.linalg.norm(self.matrix(loop) * self.semi_axes, 2))
-
 
 @dataclass(frozen=True, kw_only=True)
-class DisturbanceForceError(Term):
+class DisturbanceForceError(ForceError):
     """||dlambda_ss|| <= gamma for all constant forces within the ball that holds the semi-axes d_i, Eq. (26).
 
     dlambda_ss = -B [I, -L] V^T d with B = Lambda U S^-1 and L = K12 K22^-1, so it holds if L L^T <= H,
     H = (gamma/d)^2 (B^T B)^-1 - I. Around a reference G for K22, as K22^2 >= G K22 + K22 G - G^2, this follows from
     [[G K22 + K22 G - G^2, K12^T], [K12, H]] >= 0, which is linear, and at K22 = G nothing is lost.
+    The reference is G, (n-m) x (n-m); without it the term waits for the first round.
     """
 
     name: str = "force error under disturbance"
-    at_most: bool = True
-    semi_axes: Array = field(default_factory=lambda: np.zeros(0))
-    feedback: Array = field(default_factory=lambda: np.zeros((0, 0)))
-    reference: Array | None = None
-    """G, (n - m) x (n - m) in N m/rad; without it the term waits for the first round."""
-
-    @property
-    def exact(self) -> bool:
-        """Tell that the constraint holds around a reference."""
-        return False
 
     def constraints(self, variables: Variables) -> Constraints:
         """Bound L through K12 and K22, in mass-normalised coordinates."""
@@ -95,7 +100,3 @@ class DisturbanceForceError(Term):
     def matrix(self, loop: ClosedLoop) -> Array:
         """Give dlambda_ss / d."""
         return disturbance_matrices(loop)[1]
-
-    def reached(self, loop: ClosedLoop) -> float:
-        """Give the worst force error."""
-        return float(np.linalg.norm(self.matrix(loop) * self.semi_axes, 2))

@@ -10,6 +10,7 @@ import numpy as np
 
 from firmtouch.errors import NoDesignError
 from firmtouch.mechanics.arrays import Array, frozen
+from firmtouch.mechanics.tape import Arithmetic, UnknownOperationError, record
 
 
 def has_kinks(function: ca.Function) -> bool:
@@ -29,33 +30,17 @@ def enclose(function: ca.Function, box: list[tuple[float, float]], what: str) ->
     """
     from mpmath import iv
 
-    operations, work, outputs = _interval_operations(), {}, np.zeros(function.numel_out(0))
-    for k in range(function.n_instructions()):
-        operation, inputs, into = (
-            function.instruction_id(k),
-            function.instruction_input(k),
-            function.instruction_output(k),
-        )
-        if operation == ca.OP_INPUT:
-            work[into[0]] = iv.mpf(list(box[inputs[1]]))
-        elif operation == ca.OP_CONST:
-            work[into[0]] = iv.mpf(function.instruction_constant(k))
-        elif operation == ca.OP_OUTPUT:
-            outputs[into[1]] = max(abs(float(work[inputs[0]].a)), abs(float(work[inputs[0]].b)))
-        elif operation in operations:
-            try:
-                work[into[0]] = operations[operation](*(work[each] for each in inputs))
-            except ValueError as error:
-                raise NoDesignError(f"{what} cannot be bounded over its interval ({error}); narrow it") from error
-        else:
-            raise NoDesignError(f"{what} cannot be bounded: no intervals for the operation {_name_of(operation)}")
+    try:
+        tape = record(function, Arithmetic(iv.mpf, _interval_operations()))
+        (values,) = tape([iv.mpf(list(each)) for each in box])
+    except UnknownOperationError as error:
+        raise NoDesignError(f"{what} cannot be bounded: no intervals for the operation {error}") from error
+    except ValueError as error:
+        raise NoDesignError(f"{what} cannot be bounded over its interval ({error}); narrow it") from error
+    outputs = frozen([max(abs(float(each.a)), abs(float(each.b))) for each in values])
     if not np.all(np.isfinite(outputs)):
         raise NoDesignError(f"{what} cannot be bounded over its interval (a division by zero?); narrow it")
-    return frozen(outputs)
-
-
-def _name_of(operation: int) -> str:
-    return next(name for name in dir(ca) if name.startswith("OP_") and getattr(ca, name) == operation)
+    return outputs
 
 
 def _interval_operations() -> dict[int, Callable[..., Any]]:

@@ -1,0 +1,69 @@
+"""Ball arithmetic for tapes: every ball holds the exact value, all rounding enclosed (python-flint's `arb`).
+
+The precision is that of the moment (`flint.ctx.workprec`). What has no certain value, such as 1/[-1, 1], a kink or a
+jump, is no number: `is_finite()` is false for it and for all that is made of it.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import casadi as ca
+from flint import arb
+
+from firmtouch.mechanics.tape import Arithmetic
+
+Ball = Any
+"""A python-flint `arb`."""
+
+NO_NUMBER: Final = arb.nan()
+
+
+def _power(base: Ball, exponent: Ball) -> Ball:
+    if exponent.is_exact() and exponent.is_integer():
+        return base ** int(float(exponent))
+    return base**exponent
+
+
+def _atan2(y: Ball, x: Ball) -> Ball:
+    """Angle of (x, y); no number where it may jump."""
+    return NO_NUMBER if y.contains(0) and not x > 0 else arb.atan2(y, x)
+
+
+def _sign(x: Ball) -> Ball:
+    """Sign of x; no number where it may change."""
+    return arb(1) if x > 0 else arb(-1) if x < 0 else NO_NUMBER
+
+
+BALLS: Final = Arithmetic(
+    arb,
+    {
+        ca.OP_ASSIGN: lambda x: x,
+        ca.OP_ADD: lambda x, y: x + y,
+        ca.OP_SUB: lambda x, y: x - y,
+        ca.OP_MUL: lambda x, y: x * y,
+        ca.OP_DIV: lambda x, y: x / y,
+        ca.OP_INV: lambda x: 1 / x,
+        ca.OP_NEG: lambda x: -x,
+        ca.OP_SQ: lambda x: x**2,
+        ca.OP_TWICE: lambda x: 2 * x,
+        ca.OP_POW: _power,
+        ca.OP_CONSTPOW: _power,
+        ca.OP_SQRT: arb.sqrt,
+        ca.OP_EXP: arb.exp,
+        ca.OP_LOG: arb.log,
+        ca.OP_SIN: arb.sin,
+        ca.OP_COS: arb.cos,
+        ca.OP_TAN: arb.tan,
+        ca.OP_ASIN: arb.asin,
+        ca.OP_ACOS: arb.acos,
+        ca.OP_ATAN: arb.atan,
+        ca.OP_ATAN2: _atan2,
+        ca.OP_SINH: arb.sinh,
+        ca.OP_COSH: arb.cosh,
+        ca.OP_TANH: arb.tanh,
+        ca.OP_FABS: lambda x: _sign(x) * x,
+        ca.OP_SIGN: _sign,
+    },
+)
+"""Scalar operations on balls."""

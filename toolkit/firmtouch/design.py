@@ -177,6 +177,8 @@ def _search_warnings(region: RegionDesign) -> tuple[str, ...]:
         "poles": "assigning one pair of poles to all free directions reached the region all the same",
         "alternation": "turns between the gains and general Lyapunov matrices found these gains all the same; they are "
         "some that do, and not the best ones",
+        "descent": "a local search on the poles, and proofs for what it found, gave these gains all the same; they are "
+        "some that do, and not the best ones",
     }
     warnings = []
     if region.search.stage in stages:

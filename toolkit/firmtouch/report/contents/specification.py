@@ -52,6 +52,8 @@ _RESCUES: Final = {
     "region, and the first one with which all terms hold.",
     "alternation": "So the gains come from an alternation: Lyapunov matrices of a general form for given gains, then "
     "gains for given matrices, until all terms hold.",
+    "descent": "So the gains come from a local search on the poles, and turns between general Lyapunov matrices and "
+    "gains that began there, until all terms hold.",
 }
 _OBJECTIVES: Final[dict[str, Line]] = {
     "gains": ("small gains ", Math("norm(W)_F + omega norm(C)_F")),

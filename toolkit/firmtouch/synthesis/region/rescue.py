@@ -1,4 +1,4 @@
-"""What is tried when [T4] has no solution: fewer edges, pole assignment (full matrices), alternation (structured)."""
+"""What is tried when [T4] has no solution: fewer edges, pole assignment (full matrices), turns (structured gains)."""
 
 from __future__ import annotations
 
@@ -22,11 +22,12 @@ from firmtouch.synthesis.region.alternation import (
     solve_quietly,
 )
 from firmtouch.synthesis.region.convex import ConvexSearch, gains_of
+from firmtouch.synthesis.region.descent import descend
 from firmtouch.synthesis.region.elastic import SMALL_GAINS, Elastic, size_of
 from firmtouch.synthesis.region.lmi_region import LmiRegion
 from firmtouch.synthesis.region.problem import RegionProblem
 from firmtouch.synthesis.region.proof import best_energy_slack
-from firmtouch.synthesis.region.terms.term import RegionTerm, Term
+from firmtouch.synthesis.region.terms.term import RegionTerm
 
 FREQUENCIES: Final = 25
 SPREAD: Final = 20.0
@@ -35,8 +36,6 @@ DAMPINGS: Final = (1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 1.2)
 PATIENCE: Final = 3
 GROWTH: Final = 0.05
 """By which part of itself the slack of the alternation must grow in so many rounds."""
-STARTS: Final = 3
-"""Values of eps from whose least-missing gains the alternation begins."""
 
 
 def rescue(problem: RegionProblem) -> tuple[Gains | None, str]:
@@ -48,7 +47,10 @@ def rescue(problem: RegionProblem) -> tuple[Gains | None, str]:
         return gains, "fewer edges"
     if problem.structure.kind == "full":
         return assigned_into(problem), "poles"
-    return alternate(problem), "alternation"
+    gains = alternate(problem, nearest(problem))
+    if gains is not None:
+        return gains, "alternation"
+    return alternate(problem, descend(problem)), "descent"
 
 
 def without_one_edge(problem: RegionProblem) -> Gains | None:
@@ -90,35 +92,32 @@ def proven(problem: RegionProblem, gains: Gains) -> bool:
     return len(tangents) == 1 or best_energy_slack(tangents, regions) > 0 or general_proof(tangents, regions)
 
 
-def alternate(problem: RegionProblem) -> Gains | None:
-    """Look for gains in turns: given them the best Lyapunov matrices, given these the best gains."""
-    others = tuple(each for each in problem.terms if not isinstance(each, RegionTerm))
+def nearest(problem: RegionProblem) -> Gains | None:
+    """Give the gains that miss the inequalities of [T4] by least."""
+    found = Elastic(problem).best()
+    return found[0].gains if found else None
+
+
+def alternate(problem: RegionProblem, start: Gains | None) -> Gains | None:
+    """Look for gains in turns: given them the best multipliers, given these the best gains, until a proof is found.
+
+    It goes on for as long as the slack grows: a few hundredths of itself in three rounds, or it is given up.
+    """
     regions = [
         each.region().in_time_unit(problem.scaling.omega) for each in problem.terms if isinstance(each, RegionTerm)
     ]
-    if not regions:
+    if start is None or not regions:
         return None
-    for start in Elastic(problem).best()[:STARTS]:
-        found = _in_turns(problem, regions, others, start.gains)
-        if found is not None:
-            return found
-    return None
-
-
-def _in_turns(
-    problem: RegionProblem, regions: Sequence[LmiRegion], others: tuple[Term, ...], gains: Gains
-) -> Gains | None:
-    """Go on for as long as the slack grows: a few hundredths of itself in three rounds, or it is given up."""
-    slacks: list[float] = []
+    gains, slacks = start, list[float]()
     for _ in range(ROUNDS):
+        if problem.audit(gains).holds and proven(problem, gains):
+            return gains
         tangents = problem.tangents(gains)
         multipliers = [each for region in regions if (each := best_multiplier(tangents, region)) is not None]
-        better = _best_gains(problem, regions, others, multipliers) if len(multipliers) == len(regions) else None
+        better = _best_gains(problem, regions, multipliers) if len(multipliers) == len(regions) else None
         if better is None:
             return None
         gains, slack = better
-        if problem.audit(gains).holds and proven(problem, gains):
-            return gains
         slacks.append(slack)
         if len(slacks) > PATIENCE and slack - slacks[-1 - PATIENCE] < GROWTH * abs(slack):
             return None
@@ -126,10 +125,11 @@ def _in_turns(
 
 
 def _best_gains(
-    problem: RegionProblem, regions: Sequence[LmiRegion], others: tuple[Term, ...], multipliers: Sequence[Multiplier]
+    problem: RegionProblem, regions: Sequence[LmiRegion], multipliers: Sequence[Multiplier]
 ) -> tuple[Gains, float] | None:
     """Maximise the slack over the gains and P, with the multipliers fixed, and all other terms kept."""
     variables, slack = problem.variables(), cp.Variable()
+    others = (each for each in problem.terms if not isinstance(each, RegionTerm))
     constraints = [slack <= 1, *(each for term in others for each in term.constraints(variables))]
     for region, multiplier in zip(regions, multipliers, strict=True):
         for corner, K22 in zip(variables.corners, variables.K22, strict=True):

@@ -16,7 +16,7 @@ test: .venv/test
 	$(BIN)/python -m pytest -n auto -m "not slow"
 
 test-slow: .venv/test
-	$(BIN)/python -m pytest -n auto -m slow
+	$(BIN)/python -m pytest -n auto --dist worksteal -m slow
 
 lint: .venv/test
 	$(BIN)/ruff check .

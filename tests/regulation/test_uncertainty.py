@@ -305,7 +305,7 @@ def test_what_is_no_polynomial_stays_within_the_remainder(make_bent, rng, made, 
 
 
 def test_the_constants_of_the_interpolation():
-    nodes, x = uncertainty._nodes(4), np.linspace(0, 1, 20001)
+    nodes, x = uncertainty.nodes_of(4), np.linspace(0, 1, 20001)
     basis = [np.prod([(x - b) / (a - b) for b in nodes if b != a], axis=0) for a in nodes]
     assert 1.79 < np.abs(basis).sum(axis=0).max() < LEBESGUE
     assert np.abs(np.prod([x - a for a in nodes], axis=0)).max() < 0.5**5 / 8

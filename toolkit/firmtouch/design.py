@@ -8,6 +8,9 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from firmtouch.certificate.certificate import Certificate, certify
+from firmtouch.certificate.subject import subject_of
+from firmtouch.certificate.witness import Multipliers, Witness
 from firmtouch.checks import CheckReport, check_model
 from firmtouch.errors import InputError, NoDesignError
 from firmtouch.mechanics import Scene, derive_plant, draw_scene
@@ -49,6 +52,7 @@ class Design:
     symbolic: SymbolicPlant | None
     scene: Scene | None
     region: RegionDesign | None
+    certificate: Certificate
     warnings: tuple[str, ...]
 
 
@@ -96,6 +100,8 @@ def design_model(
     checks, symbolic = check_model(model)
     if not checks.holds:
         raise ChecksFailedError(checks)
+    progress("proving the claims")
+    certificate = certify(subject_of(op, loop.gains, _witness(region)))
     return Design(
         model=model,
         loop=loop,
@@ -107,7 +113,12 @@ def design_model(
         symbolic=symbolic,
         scene=_scene(loop),
         region=region,
-        warnings=(*_warnings(loop), *(_search_warnings(region) if region is not None else ())),
+        certificate=certificate,
+        warnings=(
+            *_warnings(loop),
+            *(_search_warnings(region) if region is not None else ()),
+            *(f"Not proven: {each.words} ({each.verdict.value})." for each in certificate.open),
+        ),
     )
 
 
@@ -127,6 +138,18 @@ def _design_region(
         return found
     progress("drawing the front")
     return replace(found, front=pareto_front(found.problem, model.spec, *front))
+
+
+def _witness(region: RegionDesign | None) -> Witness:
+    """Hand over what the search found beside the gains, for a proof to begin from."""
+    evidence = region.evidence if region is not None else None
+    if region is None or evidence is None:
+        return Witness()
+    scaling = region.problem.scaling
+    multipliers = {
+        name: Multipliers(each.F, each.P, scaling.T, scaling.omega) for name, each in evidence.multipliers.items()
+    }
+    return Witness(evidence.epsilon, multipliers)
 
 
 def _scene(loop: ClosedLoop) -> Scene | None:

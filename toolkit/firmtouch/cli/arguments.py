@@ -12,7 +12,8 @@ DESCRIPTION = (
 EXAMPLES = """examples:
   firmtouch new polisher                    write polisher.yaml, a commented model file
   firmtouch check polisher.yaml             is the model what it says it is?
-  firmtouch design polisher.yaml            gains, report.html and report.pdf in reports/polisher/
+  firmtouch design polisher.yaml            gains, their proof and a report in reports/polisher/
+  firmtouch verify reports/polisher/certificate.json --model polisher.yaml
 
 exit codes: 0 good, 1 the answer is no, 2 the question was wrong"""
 
@@ -47,6 +48,12 @@ def build_parser() -> argparse.ArgumentParser:
     check.add_argument("--json", action="store_true", help="print JSON on stdout instead of tables")
     check.set_defaults(run=_command("check"))
 
+    verify = commands.add_parser("verify", help="prove a certificate again, from the model file", description=_VERIFY)
+    verify.add_argument("certificate", metavar="CERTIFICATE", help="a certificate.json")
+    verify.add_argument("--model", metavar="MODEL", required=True, help="the model file (YAML) it was made for")
+    verify.add_argument("--json", action="store_true", help="print JSON on stdout instead of words")
+    verify.set_defaults(run=_command("verify"))
+
     new = commands.add_parser("new", help="write a commented model file to start from", description=_NEW)
     new.add_argument("name", metavar="NAME", help="the model's name; NAME.yaml is written, and never overwritten")
     new.set_defaults(run=_command("new"))
@@ -56,8 +63,15 @@ def build_parser() -> argparse.ArgumentParser:
     return parser
 
 
-_DESIGN = "Find W, C and G_f for a model, check them, and write design.json, report.html and report.pdf."
+_DESIGN = (
+    "Find W, C and G_f for a model, prove what is claimed of them, and write design.json, certificate.json, "
+    "report.html and report.pdf."
+)
 _CHECK = "Check models, one table each; exit code 1 if a check fails, 2 if a file cannot be read."
+_VERIFY = (
+    "Derive the mechanics from the model file and prove every claim of a certificate again; exit code 1 if anything "
+    "differs, 2 if the file is no certificate. The design.json beside the certificate is compared if there is one."
+)
 _NEW = "Write NAME.yaml, a commented model file that works as it is."
 _SCHEMA = "Print the JSON Schema of model files, for editors that complete and check YAML."
 

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import argparse
+import hashlib
 import json
 import sys
 from collections.abc import Callable
+from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from firmtouch.cli import GOOD
+from firmtouch.cli import GOOD, NO
 from firmtouch.cli.console import results_console, talk_console, working
 from firmtouch.errors import InputError
 
@@ -36,7 +38,7 @@ def run(arguments: argparse.Namespace) -> int:
         paths = write_files(folder, contents)
     if arguments.json:
         sys.stdout.write(contents["design.json"].decode())
-        return GOOD
+        return GOOD if design.certificate.certified else NO
     console = results_console()
     console.print(verdict(design), markup=False, soft_wrap=not console.is_terminal)
     for warning in design.warnings:
@@ -44,7 +46,7 @@ def run(arguments: argparse.Namespace) -> int:
         talk.print(f"warning: {warning}", style="yellow", markup=False, soft_wrap=not talk.is_terminal)
     for path in paths:
         console.print(f"  {path}", markup=False, soft_wrap=True)
-    return GOOD
+    return GOOD if design.certificate.certified else NO
 
 
 def _pair(front: str | None) -> tuple[str, str] | None:
@@ -56,12 +58,24 @@ def _pair(front: str | None) -> tuple[str, str] | None:
     return names[0], names[1]
 
 
+def _certificate(design: Design, content: bytes) -> bytes:
+    """Write the certificate of a design whose design.json has this content."""
+    from firmtouch.certificate.file import ModelPart, certificate_as_json
+
+    part = ModelPart(name=design.model.name, sha256=design.model.sha256, method=design.model.spec.design.method)
+    data = certificate_as_json(
+        design.certificate, model=part, design_sha256=hashlib.sha256(content).hexdigest(), version=version("firmtouch")
+    )
+    return (json.dumps(data, indent=1, allow_nan=False) + "\n").encode()
+
+
 def _contents(design: Design, progress: Callable[[str], None], *, pdf: bool) -> dict[str, bytes]:
     from firmtouch.report import design_as_json, design_document, render_html, render_pdf
 
     progress("drawing the report")
     document = design_document(design)
     contents = {"design.json": (json.dumps(design_as_json(design), indent=1, allow_nan=False) + "\n").encode()}
+    contents["certificate.json"] = _certificate(design, contents["design.json"])
     progress("setting report.html")
     contents["report.html"] = render_html(document).encode()
     if pdf:

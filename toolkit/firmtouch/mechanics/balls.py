@@ -19,9 +19,24 @@ Ball = Any
 NO_NUMBER: Final = arb.nan()
 
 
+def _square(x: Ball) -> Ball:
+    size = abs(x)
+    return size * size
+
+
+def _whole_power(base: Ball, exponent: int) -> Ball:
+    """Multiply it out, by halves: `arb ** 2` is no number for a ball around zero itself."""
+    if exponent < 0:
+        return 1 / _whole_power(base, -exponent)
+    if exponent == 0:
+        return arb(1)
+    half = _square(_whole_power(base, exponent // 2))
+    return half * base if exponent % 2 else half
+
+
 def _power(base: Ball, exponent: Ball) -> Ball:
     if exponent.is_exact() and exponent.is_integer():
-        return base ** int(float(exponent))
+        return _whole_power(base, int(float(exponent)))
     return base**exponent
 
 
@@ -45,7 +60,7 @@ BALLS: Final = Arithmetic(
         ca.OP_DIV: lambda x, y: x / y,
         ca.OP_INV: lambda x: 1 / x,
         ca.OP_NEG: lambda x: -x,
-        ca.OP_SQ: lambda x: x**2,
+        ca.OP_SQ: _square,
         ca.OP_TWICE: lambda x: 2 * x,
         ca.OP_POW: _power,
         ca.OP_CONSTPOW: _power,

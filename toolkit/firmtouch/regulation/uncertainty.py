@@ -13,13 +13,12 @@ from typing import Final
 
 import casadi as ca
 import numpy as np
-from scipy.optimize import nnls
-from scipy.spatial.distance import pdist
 
 from firmtouch.errors import InputError, NoDesignError
 from firmtouch.mechanics import Array
 from firmtouch.mechanics.arrays import call_vector, frozen, symmetric
 from firmtouch.mechanics.intervals import enclose, has_kinks
+from firmtouch.modelfile import ModelSpec
 from firmtouch.regulation.operating_point import OperatingPoint, Projection, operating_point_at
 
 DEGREE: Final = 4
@@ -172,6 +171,17 @@ def uncertainty_polytope(
     return polytope
 
 
+def uncertain_parameters(spec: ModelSpec) -> dict[str, tuple[float, float]]:
+    """List the parameters that vary, with their intervals in SI: those the file names, or all that have one."""
+    region = spec.design.region
+    named = region.uncertainty.parameters if region and region.uncertainty else None
+    return {
+        name: (each.interval[0].value, each.interval[1].value)
+        for name, each in spec.parameters.items()
+        if each.interval is not None and (named is None or name in named)
+    }
+
+
 def vertex_point(op: OperatingPoint, vertex: Vertex) -> OperatingPoint:
     """Put a vertex in the operating point's place, for analysis; q_d, lambda_d and `P_qq` stay the nominal ones."""
     return replace(op, M=vertex.M, N0=vertex.N0, g=vertex.g)
@@ -240,11 +250,11 @@ def _axes(
     nominal = dict(zip(op.plant.spec.parameters, op.plant.p, strict=True))
     axes = []
     for i, (name, (low, high)) in enumerate(parameters.items()):
-        degree, derivative = _degree(values, p[i])
+        degree, derivative = degree_of(values, p[i])
         if degree == 0 or low == high:
             axes.append(_Axis(name, frozen([low if low == high else nominal[name]]), np.zeros(values.numel())))
             continue
-        t = _nodes(degree)
+        t = nodes_of(degree)
         error: Array = np.zeros(values.numel())
         if derivative.nnz():
             fifth = ca.Function("fifth", [p], [ca.densify(derivative)])
@@ -253,7 +263,7 @@ def _axes(
     return tuple(axes)
 
 
-def _degree(values: ca.SX, parameter: ca.SX) -> tuple[int, ca.SX]:
+def degree_of(values: ca.SX, parameter: ca.SX) -> tuple[int, ca.SX]:
     """Differentiate until nothing is left: the degree, and the derivative after it (zero for polynomials)."""
     for degree in range(DEGREE + 1):
         values = ca.sparsify(ca.jacobian(values, parameter))
@@ -262,7 +272,7 @@ def _degree(values: ca.SX, parameter: ca.SX) -> tuple[int, ca.SX]:
     return DEGREE, values
 
 
-def _nodes(degree: int) -> Array:
+def nodes_of(degree: int) -> Array:
     """Give the Chebyshev-Lobatto nodes in [0, 1], both ends among them."""
     return frozen((1 - np.cos(np.pi * np.arange(degree + 1) / degree)) / 2)
 
@@ -319,7 +329,7 @@ def _bernstein(degree: int) -> Array:
     """Give the values of the Bernstein polynomials (columns) at the nodes (rows)."""
     if degree == 0:
         return np.ones((1, 1))
-    t, j = _nodes(degree)[:, None], np.arange(degree + 1)
+    t, j = nodes_of(degree)[:, None], np.arange(degree + 1)
     return frozen([math.comb(degree, each) for each in j] * t**j * (1 - t) ** (degree - j))
 
 
@@ -355,6 +365,8 @@ def _expect_positive(polytope: Polytope) -> None:
 
 def _enlargement(response: ca.Function | None, axes: tuple[_Axis, ...], controls: list[_Control]) -> float:
     """Measure the parameters' part: 1 + 2 (farthest distance of a control point) / (diameter of what occurs)."""
+    from scipy.spatial.distance import pdist
+
     beyond = [control for control in controls if control.untaken]
     if response is None or not beyond:
         return 1.0
@@ -391,5 +403,7 @@ def _scaled(occurring: Array, points: Array, size: int) -> tuple[Array, Array]:
 
 def _distance(point: Array, cloud: Array) -> float:
     """Give the distance of a point from the convex hull of others (of size one)."""
+    from scipy.optimize import nnls
+
     weights, _ = nnls(np.vstack([cloud.T, np.full(len(cloud), 100.0)]), np.append(point, 100.0))
     return float(np.linalg.norm(cloud.T @ weights / np.sum(weights) - point))

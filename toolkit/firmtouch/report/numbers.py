@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable
+from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal
 from typing import Final
 
 from firmtouch.mechanics import Array
@@ -27,6 +28,15 @@ def number(value: float, figures: int = 4) -> str:
     else:
         text = f"{_without_zeros(mantissa)}×10{str(exponent).translate(_SUPERSCRIPTS)}"
     return text.replace("-", "−")
+
+
+def bound(value: float, *, upwards: bool, figures: int = 5) -> str:
+    """Write a bound, rounded to the safe side: an upper one upwards, a lower one downwards."""
+    if not math.isfinite(value) or value == 0:
+        return number(value)
+    exact = Decimal(value)
+    step = Decimal(1).scaleb(exact.adjusted() - figures + 1)
+    return number(float(exact.quantize(step, rounding=ROUND_CEILING if upwards else ROUND_FLOOR)), figures)
 
 
 def _without_zeros(text: str) -> str:

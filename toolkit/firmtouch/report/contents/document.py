@@ -6,6 +6,7 @@ from importlib.metadata import version
 
 from firmtouch.design import Design
 from firmtouch.report.contents import (
+    certificate,
     checks,
     errors,
     gains,
@@ -34,6 +35,7 @@ def design_document(design: Design) -> Document:
         uncertainty.section(design),
         margins.section(design),
         errors.section(design),
+        certificate.section(design),
         checks.section(design),
     )
     model = design.model

@@ -18,7 +18,7 @@ from firmtouch.report.numbers import number
 
 def section(design: Design) -> Section:
     """Write the head."""
-    blocks: list[Block] = [Callout("good", prose(verdict(design)))]
+    blocks: list[Block] = [Callout("good" if design.certificate.certified else "warning", prose(verdict(design)))]
     blocks += [Callout("warning", prose(each)) for each in design.warnings]
     if design.model.spec.description:
         blocks.append(Paragraph((design.model.spec.description,)))

@@ -19,11 +19,19 @@ def verdict(design: Design) -> str:
         "C and K are positive definite on the directions that the constraints leave free"
     )  # fmt: skip
     return (
-        f"Designed: {_loop(design)}, {matrices}, "
+        f"{_standing(design)}: {_loop(design)}, {matrices}, "
         f"and all {len(design.checks.results)} model checks hold; "
         f"after any small disturbance the mechanism returns to q_d and its constraint force"
         f"{'s' if spec.m > 1 else ''} to lambda_d{settling(design)}."
     )
+
+
+def _standing(design: Design) -> str:
+    """Say whether it is proven."""
+    if design.certificate.certified:
+        return "Certified"
+    missing, count = len(design.certificate.open), len(design.certificate.claims)
+    return f"Not certified ({missing} of {count} claims are not proven)"
 
 
 def settling(design: Design) -> str:

@@ -21,6 +21,7 @@ import cvxpy as cp
 import numpy as np
 
 from firmtouch.mechanics import Array
+from firmtouch.mechanics.arrays import frozen, symmetric
 from firmtouch.synthesis.region.lmi_region import LmiRegion
 from firmtouch.synthesis.region.proof import Tangent
 
@@ -37,9 +38,10 @@ PROVEN: Final = 1e-7
 
 @dataclass(frozen=True, slots=True)
 class Multiplier:
-    """F of one region, and the slack that it leaves: positive is a proof."""
+    """F of one region and P of each loop, and the slack that they leave: positive is a proof."""
 
     F: Array
+    P: tuple[Array, ...]
     slack: float
 
 
@@ -47,24 +49,24 @@ def best_multiplier(tangents: Sequence[Tangent], region: LmiRegion, slope: float
     """Find F and P for fixed gains with the largest slack; none if the solver comes to no end."""
     t = len(tangents[0].M)
     F, slack = cp.Variable((t, 3 * t)), cp.Variable()
-    constraints = [slack <= MOST]
-    for each in tangents:
+    constraints, matrices = [slack <= MOST], [cp.Variable((2 * t, 2 * t), symmetric=True) for _ in tangents]
+    for each, P in zip(tangents, matrices, strict=True):
         G = np.hstack([each.K, each.C, each.M])
-        constraints += lyapunov_constraints(region, F.T @ G + G.T @ F, t, slack, slope)
+        constraints += lyapunov_constraints(region, P, F.T @ G + G.T @ F, slack, slope)
     if not solve_quietly(cp.Problem(cp.Maximize(slack), constraints)):
         return None
-    return Multiplier(F.value, float(slack.value))
+    return Multiplier(frozen(F.value), tuple(symmetric(P.value) for P in matrices), float(slack.value))
 
 
 def lyapunov_constraints(
     region: LmiRegion,
+    P: cp.Variable,  # a matrix
     product: Any,  # noqa: ANN401  # a cvxpy expression
-    t: int,
     slack: Any,  # noqa: ANN401  # a cvxpy expression
     slope: float,
 ) -> list[Any]:
     """Write the inequality at one vertex with its own P; `product` is F^T G + G^T F."""
-    P = cp.Variable((2 * t, 2 * t), symmetric=True)
+    t = P.shape[0] // 2
     eye, zero = np.eye(t), np.zeros((t, t))
     Y1 = np.block([[eye, zero, zero], [zero, eye, zero]])
     Y2 = np.block([[zero, eye, zero], [zero, zero, eye]])
@@ -82,13 +84,15 @@ def lyapunov_constraints(
     return [P >> np.eye(2 * t), P << WIDEST * np.eye(2 * t), -cp.bmat(blocks) >> slack * state - slope * acceleration]
 
 
-def general_proof(tangents: Sequence[Tangent], regions: Sequence[LmiRegion]) -> bool:
+def general_proof(tangents: Sequence[Tangent], regions: Sequence[LmiRegion]) -> tuple[Multiplier, ...] | None:
     """Prove that all loops between some have their poles in all regions, each with its own F and P."""
+    found = []
     for region in regions:
-        found = best_multiplier(tangents, region, slope=-PROVEN)
-        if found is None or found.slack <= PROVEN:
-            return False
-    return True
+        multiplier = best_multiplier(tangents, region, slope=-PROVEN)
+        if multiplier is None or multiplier.slack <= PROVEN:
+            return None
+        found.append(multiplier)
+    return tuple(found)
 
 
 def solve_quietly(problem: cp.Problem) -> bool:

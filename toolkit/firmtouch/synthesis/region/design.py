@@ -13,6 +13,7 @@ from firmtouch.regulation import ClosedLoop, Gains, OperatingPoint, close_loop
 from firmtouch.synthesis.region.audit import TermResult
 from firmtouch.synthesis.region.conflicts import explain, missed
 from firmtouch.synthesis.region.convex import ConvexSearch, Found, gains_of
+from firmtouch.synthesis.region.evidence import Evidence, find_evidence
 from firmtouch.synthesis.region.force_shaping import shape_force
 from firmtouch.synthesis.region.front import Front
 from firmtouch.synthesis.region.margins import Margins, find_margins
@@ -46,6 +47,7 @@ class RegionDesign:
     vertices: tuple[ClosedLoop, ...]
     results: tuple[TermResult, ...]
     margins: Margins
+    evidence: Evidence | None
     search: SearchRecord
     force_front: Front | None = None
     front: Front | None = None
@@ -98,6 +100,7 @@ def solve_problem(problem: RegionProblem, progress: Callable[[str], None] = lamb
         vertices=checked.loops,
         results=checked.results,
         margins=find_margins(problem, gains, checked.loops, found.best.epsilon),
+        evidence=find_evidence(problem, gains, found.best.epsilon),
         search=record,
         force_front=None if shape is None else shape.front,
     )

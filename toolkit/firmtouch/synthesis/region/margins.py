@@ -156,7 +156,7 @@ class Proof:
         if self._energy and best_energy_slack(tangents, self._regions, self._hint) > 0:
             return True
         small = len(tangents) * len(tangents[0].M) <= MOST_GENERAL
-        return (small or not self._energy) and general_proof(tangents, self._regions)
+        return (small or not self._energy) and general_proof(tangents, self._regions) is not None
 
     def farthest(self, tangents: Callable[[float], Sequence[Tangent] | None]) -> float:
         """Find about the largest factor from one on whose loops are proven; infinite beyond FARTHEST.

@@ -16,7 +16,7 @@ from firmtouch.modelfile import ModelSpec
 from firmtouch.modelfile.sections.structure import Structure
 from firmtouch.modelfile.vector_units import Units, units_of
 from firmtouch.regulation import Gains, OperatingPoint, Split, split_directions
-from firmtouch.regulation.uncertainty import Polytope, uncertainty_polytope, vertex_point
+from firmtouch.regulation.uncertainty import Polytope, uncertain_parameters, uncertainty_polytope, vertex_point
 from firmtouch.synthesis.region.audit import Audit, audit
 from firmtouch.synthesis.region.coordinates import Scaling, scale
 from firmtouch.synthesis.region.proof import Tangent
@@ -134,17 +134,6 @@ def _disturbance(spec: ModelSpec) -> Array:
     """Give the semi-axes of the constant forces; 1 in SI where the file gives none."""
     given = spec.bounds.disturbance
     return frozen([1.0 if given is None else given[name] for name in spec.coordinates])
-
-
-def uncertain_parameters(spec: ModelSpec) -> dict[str, tuple[float, float]]:
-    """List the parameters that vary, with their intervals in SI: those the file names, or all that have one."""
-    region = spec.design.region
-    named = region.uncertainty.parameters if region and region.uncertainty else None
-    return {
-        name: (each.interval[0].value, each.interval[1].value)
-        for name, each in spec.parameters.items()
-        if each.interval is not None and (named is None or name in named)
-    }
 
 
 def reference_frequency(op: OperatingPoint, split: Split, terms: tuple[Term, ...]) -> float:

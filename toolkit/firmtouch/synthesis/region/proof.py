@@ -46,16 +46,24 @@ def energy_slack(tangents: Sequence[Tangent], regions: Sequence[LmiRegion], eps:
 
 
 def best_energy_slack(tangents: Sequence[Tangent], regions: Sequence[LmiRegion], hint: float = 1.0) -> float:
+    """Maximise the slack over eps: positive proves the whole polytope."""
+    return best_energy_epsilon(tangents, regions, hint)[1]
+
+
+def best_energy_epsilon(
+    tangents: Sequence[Tangent], regions: Sequence[LmiRegion], hint: float = 1.0
+) -> tuple[float, float]:
     """Maximise the slack over eps: it is concave in eps, as the inequalities are linear in it for fixed gains.
 
-    `hint` is an eps that is tried as well: at the edge of what is feasible there is but one.
+    `hint` is an eps that is tried first, and taken if it has slack: at the edge of what is feasible there is but one.
     """
-    if energy_slack(tangents, regions, hint) > 0:
-        return energy_slack(tangents, regions, hint)
+    slack = energy_slack(tangents, regions, hint)
+    if slack > 0:
+        return hint, slack
     found = scipy.optimize.minimize_scalar(
         lambda logarithm: -energy_slack(tangents, regions, float(np.exp(logarithm))),
         bounds=LOGARITHMS,
         method="bounded",
         options={"xatol": 1e-3},
     )
-    return -float(found.fun)
+    return float(np.exp(found.x)), -float(found.fun)

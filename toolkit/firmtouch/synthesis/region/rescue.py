@@ -17,16 +17,15 @@ from firmtouch.synthesis.region.alternation import (
     ROUNDS,
     Multiplier,
     best_multiplier,
-    general_proof,
     lyapunov_constraints,
     solve_quietly,
 )
 from firmtouch.synthesis.region.convex import ConvexSearch, gains_of
 from firmtouch.synthesis.region.descent import descend
 from firmtouch.synthesis.region.elastic import SMALL_GAINS, Elastic, size_of
+from firmtouch.synthesis.region.evidence import find_evidence
 from firmtouch.synthesis.region.lmi_region import LmiRegion
 from firmtouch.synthesis.region.problem import RegionProblem
-from firmtouch.synthesis.region.proof import best_energy_slack
 from firmtouch.synthesis.region.terms.term import RegionTerm
 
 FREQUENCIES: Final = 25
@@ -87,9 +86,7 @@ def assigned_into(problem: RegionProblem) -> Gains | None:
 
 def proven(problem: RegionProblem, gains: Gains) -> bool:
     """Prove the region for all plants between the vertices; one plant alone has its poles for a proof."""
-    tangents, omega = problem.tangents(gains), problem.scaling.omega
-    regions = [each.region().in_time_unit(omega) for each in problem.terms if isinstance(each, RegionTerm)]
-    return len(tangents) == 1 or best_energy_slack(tangents, regions) > 0 or general_proof(tangents, regions)
+    return len(problem.points) == 1 or find_evidence(problem, gains) is not None
 
 
 def nearest(problem: RegionProblem) -> Gains | None:
@@ -134,8 +131,8 @@ def _best_gains(
     for region, multiplier in zip(regions, multipliers, strict=True):
         for corner, K22 in zip(variables.corners, variables.K22, strict=True):
             G = cp.hstack([K22, variables.C22, corner.M22])
-            product = multiplier.F.T @ G + G.T @ multiplier.F
-            constraints += lyapunov_constraints(region, product, variables.t, slack, 0.0)
+            P = cp.Variable((2 * variables.t, 2 * variables.t), symmetric=True)
+            constraints += lyapunov_constraints(region, P, multiplier.F.T @ G + G.T @ multiplier.F, slack, 0.0)
     if not solve_quietly(cp.Problem(cp.Maximize(slack - SMALL_GAINS * size_of(variables)), constraints)):
         return None
     return problem.gains(*variables.values()), float(slack.value)

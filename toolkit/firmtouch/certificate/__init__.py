@@ -1,0 +1,1 @@
+"""Proofs for finished gains, in ball arithmetic."""

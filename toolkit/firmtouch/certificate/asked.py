@@ -1,0 +1,88 @@
+"""What a model file asks of the gains, and of which plants, as far as it can be proven."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from firmtouch.certificate.edges import Edge, EdgeKind
+from firmtouch.mechanics import Array
+from firmtouch.mechanics.arrays import frozen
+from firmtouch.modelfile import ModelSpec
+from firmtouch.modelfile.sections.region import LambdaUncertainty, RegionSpec
+from firmtouch.modelfile.vector_units import Units, units_of
+from firmtouch.regulation.uncertainty import uncertain_parameters
+
+
+@dataclass(frozen=True, slots=True)
+class Causes:
+    """How large the causes of steady-state errors may be; 1 in SI where the file does not say."""
+
+    disturbance: Array
+    offset: Array
+    rotation: float
+    tilt: float
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """What is to be proven: the level of positivity, K >= mu D, the edges of the region, bounds, and the plants.
+
+    `region` has the rest of what a region design asks for; it is None for a pole assignment.
+    """
+
+    level: str
+    mu: float
+    D: Array
+    edges: tuple[Edge, ...]
+    causes: Causes
+    region: RegionSpec | None
+    intervals: Mapping[str, tuple[float, float]]
+    forces: LambdaUncertainty | None
+    units: Units
+
+
+def asked_of(spec: ModelSpec) -> Asked:
+    """Read it from a model file, for the method that its design names."""
+    design, region = spec.design, spec.design.region if spec.design.method == "region" else None
+    mu, D = _margin(spec, region)
+    uncertain = region.uncertainty if region is not None else None
+    return Asked(
+        level=design.level,
+        mu=mu,
+        D=D,
+        edges=() if region is None else _edges(region),
+        causes=_causes(spec),
+        region=region,
+        intervals={} if region is None else uncertain_parameters(spec),
+        forces=None if uncertain is None else uncertain.lambda_d,
+        units=units_of(spec),
+    )
+
+
+def _margin(spec: ModelSpec, region: RegionSpec | None) -> tuple[float, Array]:
+    """Take one value for all coordinates as mu with D = I, and different ones as D with mu = 1."""
+    if region is None or region.positivity is None:
+        return 0.0, frozen(np.ones(spec.n))
+    values = frozen([region.positivity[name] for name in spec.coordinates])
+    if np.all(values == values[0]) and units_of(spec).stiffness:
+        return float(values[0]), frozen(np.ones(spec.n))
+    return 1.0, values
+
+
+def _edges(region: RegionSpec) -> tuple[Edge, ...]:
+    values = {EdgeKind.DECAY: region.decay, EdgeKind.DAMPING: region.damping, EdgeKind.BANDWIDTH: region.bandwidth}
+    return tuple(Edge(kind, value) for kind, value in values.items() if value is not None)
+
+
+def _causes(spec: ModelSpec) -> Causes:
+    bounds = spec.bounds
+    disturbance, offset = bounds.disturbance, bounds.offset
+    return Causes(
+        disturbance=frozen([1.0 if disturbance is None else disturbance[name] for name in spec.coordinates]),
+        offset=frozen([1.0 if offset is None else offset[name] for name in spec.constraints]),
+        rotation=1.0 if bounds.rotation is None else bounds.rotation,
+        tilt=1.0 if bounds.tilt is None else bounds.tilt,
+    )

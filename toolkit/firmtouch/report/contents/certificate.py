@@ -1,0 +1,76 @@
+"""What is proven about the gains, claim by claim."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from firmtouch.certificate.decision import Verdict
+from firmtouch.certificate.question import Claim, Scope
+from firmtouch.design import Design
+from firmtouch.report.contents.prose import prose
+from firmtouch.report.document import Line, Paragraph, Section, Table
+from firmtouch.report.numbers import bound
+
+_SCOPES: Final = {
+    Scope.NOMINAL: "nominal plant",
+    Scope.VERTICES: "vertices",
+    Scope.POLYTOPE: "all plants",
+}
+
+
+def section(design: Design) -> Section:
+    """Write the certificate."""
+    certificate = design.certificate
+    varies = certificate.subject.plants.vary
+    headings: tuple[Line, ...] = (("claim",), ("asked",), ("proven bound",), ("for",), ("by",), ("bits",))
+    rows = tuple(_row(each, varies=varies) for each in certificate.claims)
+    if not varies:  # one plant is all there is
+        headings, rows = (*headings[:3], *headings[4:]), tuple((*row[:3], *row[4:]) for row in rows)
+    numeric = frozenset({1, 2, len(headings) - 1})
+    return Section(
+        "Certificate",
+        (
+            Paragraph(_intro(design)),
+            Table(headings, rows, numeric, wide=frozenset({0})),
+            Paragraph(
+                prose(
+                    "Bounds are rounded to the safe side. They are about the linearised loop at the exact point of the "
+                    "surface next to q_d. Anyone can prove them again: `firmtouch verify certificate.json --model` "
+                    "with the model file; that takes no solver."
+                )
+            ),
+        ),
+    )
+
+
+def _intro(design: Design) -> Line:
+    count, missing = len(design.certificate.claims), len(design.certificate.open)
+    found = (
+        f"All {count} claims are proven"
+        if not missing
+        else f"Of {count} claims {count - missing} are proven, and {missing} not"
+    )
+    return prose(
+        f"{found}, for the exact binary64 numbers of gains and parameters, with all rounding enclosed (ball arithmetic). "
+        "M, N0, J and the Hessians are enclosed at a point of the surface that is itself proven to exist. A matrix is "
+        "positive definite where L D L^T has pivots that are certainly positive."
+    )
+
+
+def _row(claim: Claim, *, varies: bool) -> tuple[Line, ...]:
+    unit = f" {claim.unit}" if claim.unit else ""
+    asked = "" if claim.asked is None or claim.name in ("symmetry", "structure") else _amount(claim, claim.asked) + unit
+    figure = _amount(claim, claim.figure) + unit if claim.verdict is Verdict.PROVEN else claim.verdict.value
+    scope = _SCOPES[claim.scope] if varies else ""
+    return prose(_sentence(claim)), (asked,), (figure,), (scope,), prose(claim.route), (str(claim.bits),)
+
+
+def _sentence(claim: Claim) -> str:
+    """Begin with a capital letter, unless a symbol stands there."""
+    first, second = claim.words[:2]
+    return claim.words if second == " " else first.upper() + claim.words[1:]
+
+
+def _amount(claim: Claim, value: float) -> str:
+    sign = ">" if claim.relation == ">" else "<" if value else "="
+    return f"{sign} {bound(value, upwards=claim.relation == '<')}"

@@ -33,9 +33,9 @@ def questions(subject: Subject) -> Iterator[Question]:
 
 def _words(edge: Edge) -> str:
     words = {
-        EdgeKind.DECAY: "every pole has Re s < -alpha: alpha",
-        EdgeKind.DAMPING: "every pole has a damping ratio above zeta: zeta",
-        EdgeKind.BANDWIDTH: "every pole has |s| < w: w",
+        EdgeKind.DECAY: "Re s < -alpha for every pole",
+        EdgeKind.DAMPING: "-Re s / |s| > zeta for every pole",
+        EdgeKind.BANDWIDTH: "|s| < w for every pole",
     }
     return words[edge.kind]
 

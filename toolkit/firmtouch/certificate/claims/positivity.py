@@ -77,7 +77,7 @@ def _stiffness(subject: Subject, level: str) -> Question:
     where = "" if level == "full" else " on ker J"
     return Question(
         f"K {level}",
-        f"K >= mu D{where}, the margin of (14): mu" if mixed else f"K > mu I{where}, the margin of (14): mu",
+        f"K > mu {'D' if mixed else 'I'}{where}, the margin of (14)",
         Scope.POLYTOPE,
         ">",
         asked.mu,

@@ -8,7 +8,7 @@ from firmtouch.certificate.decision import Verdict
 from firmtouch.certificate.question import Claim, Scope
 from firmtouch.design import Design
 from firmtouch.report.contents.prose import prose
-from firmtouch.report.document import Line, Paragraph, Section, Table
+from firmtouch.report.document import Code, Line, Paragraph, Section, Table
 from firmtouch.report.numbers import bound
 
 _SCOPES: Final = {
@@ -33,10 +33,12 @@ def section(design: Design) -> Section:
             Paragraph(_intro(design)),
             Table(headings, rows, numeric, wide=frozenset({0})),
             Paragraph(
-                prose(
-                    "Bounds are rounded to the safe side. They are about the linearised loop at the exact point of the "
-                    "surface next to q_d. Anyone can prove them again: `firmtouch verify certificate.json --model` "
-                    "with the model file; that takes no solver."
+                (
+                    *prose(
+                        "Bounds are rounded to the safe side. They are about the linearised loop at the exact point of "
+                        "the surface next to q_d. Anyone can prove them again, without a solver: "
+                    ),
+                    Code(f"firmtouch verify certificate.json --model {design.model.name}.yaml"),
                 )
             ),
         ),
@@ -51,9 +53,9 @@ def _intro(design: Design) -> Line:
         else f"Of {count} claims {count - missing} are proven, and {missing} not"
     )
     return prose(
-        f"{found}, for the exact binary64 numbers of gains and parameters, with all rounding enclosed (ball arithmetic). "
+        f"{found}, for the exact binary64 numbers of gains and parameters, all rounding enclosed (ball arithmetic). "
         "M, N0, J and the Hessians are enclosed at a point of the surface that is itself proven to exist. A matrix is "
-        "positive definite where L D L^T has pivots that are certainly positive."
+        "positive definite where LDL^T has pivots that are certainly positive."
     )
 
 
@@ -67,8 +69,8 @@ def _row(claim: Claim, *, varies: bool) -> tuple[Line, ...]:
 
 def _sentence(claim: Claim) -> str:
     """Begin with a capital letter, unless a symbol stands there."""
-    first, second = claim.words[:2]
-    return claim.words if second == " " else first.upper() + claim.words[1:]
+    is_symbol = claim.words[1] == " "
+    return claim.words if is_symbol else claim.words[0].upper() + claim.words[1:]
 
 
 def _amount(claim: Claim, value: float) -> str:

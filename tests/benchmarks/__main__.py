@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import sys
 
-from tests.benchmarks import decentralised, first_design, region_speed, six_joints, start
+from tests.benchmarks import certificate_speed, decentralised, first_design, region_speed, six_joints, start
 from tests.benchmarks.measure import Figure
 
 
 def main() -> int:
     measured: list[Figure] = []
-    for benchmark in (start, first_design, six_joints, region_speed, decentralised):
+    for benchmark in (start, first_design, six_joints, region_speed, decentralised, certificate_speed):
         for each in benchmark.figures():
             measured.append(each)
             mark = "ok   " if each.holds else "FAILS"

@@ -73,7 +73,7 @@ def _question(subject: Subject, name: str, unit: str, matrix: Matrix, asked: flo
         return max(_norm(matrix(balls, each)) for each in plants(balls))
 
     scope = Scope.VERTICES if everywhere else Scope.NOMINAL
-    words = name.replace(" under ", " at rest under the worst ") + ": its norm"
+    words = name.capitalize().replace(" under ", " at rest under the worst ") + ": its norm"
     return Question(name, words, scope, "<", asked, unit, "LDL^T", estimate, holds)
 
 

@@ -87,7 +87,7 @@ def _norm(name: str, X: Array, asked: float, unit: str) -> Question:
         return norm_is_within(exact(X), arb(value))
 
     figure = float(np.linalg.norm(X, 2))
-    words = f"the norm of {name}"
+    words = f"The norm of {name}"
     return _bound(f"norm of {name}", words, asked=asked, unit=unit, figure=figure, holds=holds, route="LDL^T")
 
 
@@ -95,7 +95,7 @@ def _entry(subject: Subject, name: str, X: Array, i: int, asked: float) -> Quest
     joint, coordinate = list(subject.op.plant.spec.coordinates.items())[i]
     own, size = joint_units(coordinate.unit), abs(float(X[i, i]))
     unit = own.stiffness if name == "W" else own.damping
-    words = f"the entry of {name} at {joint}"
+    words = f"The entry of {name} at {joint}"
 
     def holds(value: float) -> bool:
         return size <= value
@@ -123,7 +123,7 @@ def _torque(subject: Subject, label: str, limit: TorqueLimit, i: int) -> Questio
 
     return _bound(
         f"torque of {joint}, {label}",
-        f"the torque that the feedback asks of {joint}, {label}",
+        f"The torque that the feedback asks of {joint}, {label}",
         asked=limit.at_most[joint],
         unit=joint_units(coordinate.unit).joint_force,
         figure=float(total().mid()),
@@ -191,7 +191,7 @@ def _cost(subject: Subject, cost: CostSpec) -> Question:
 
     return Question(
         "guaranteed cost",
-        "the quadratic cost of every start in the ellipsoid, in the linearised loop",
+        "The quadratic cost of every start in the ellipsoid, in the linearised loop",
         Scope.VERTICES,
         "<",
         cost.at_most,

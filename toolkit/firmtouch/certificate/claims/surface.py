@@ -33,7 +33,7 @@ def questions(subject: Subject) -> Iterator[Question]:
 
     yield Question(
         "surface",
-        "a point of the surface, and only one in this direction, lies so near to q_d (largest entry)",
+        "A point of the surface, and only one square to it, lies so near to q_d (largest entry)",
         Scope.NOMINAL,
         "<",
         None,
@@ -56,7 +56,7 @@ def questions(subject: Subject) -> Iterator[Question]:
 
     yield Question(
         "feedforward",
-        "the controller's constant force is g - J^T lambda_d but for rounding (largest entry)",
+        "The constant force is g - J^T lambda_d but for rounding (largest entry)",
         Scope.NOMINAL,
         "<",
         ROUNDED * scale,

@@ -9,7 +9,7 @@ from firmtouch.certificate.question import Claim, Scope
 from firmtouch.design import Design
 from firmtouch.report.contents.prose import prose
 from firmtouch.report.document import Code, Line, Paragraph, Section, Table
-from firmtouch.report.numbers import bound
+from firmtouch.report.numbers import bound, number
 
 _SCOPES: Final = {
     Scope.NOMINAL: "nominal plant",
@@ -61,18 +61,10 @@ def _intro(design: Design) -> Line:
 
 def _row(claim: Claim, *, varies: bool) -> tuple[Line, ...]:
     unit = f" {claim.unit}" if claim.unit else ""
-    asked = "" if claim.asked is None or claim.name in ("symmetry", "structure") else _amount(claim, claim.asked) + unit
-    figure = _amount(claim, claim.figure) + unit if claim.verdict is Verdict.PROVEN else claim.verdict.value
+    sign = ">" if claim.relation == ">" else "<"
+    asked = "" if claim.asked is None or claim.route == "comparison" else f"{sign} {number(claim.asked)}{unit}"
+    sign = "=" if claim.figure == 0 else sign
+    figure = f"{sign} {bound(claim.figure, upwards=claim.relation == '<')}{unit}"
+    figure = figure if claim.verdict is Verdict.PROVEN else claim.verdict.value
     scope = _SCOPES[claim.scope] if varies else ""
-    return prose(_sentence(claim)), (asked,), (figure,), (scope,), prose(claim.route), (str(claim.bits),)
-
-
-def _sentence(claim: Claim) -> str:
-    """Begin with a capital letter, unless a symbol stands there."""
-    is_symbol = claim.words[1] == " "
-    return claim.words if is_symbol else claim.words[0].upper() + claim.words[1:]
-
-
-def _amount(claim: Claim, value: float) -> str:
-    sign = ">" if claim.relation == ">" else "<" if value else "="
-    return f"{sign} {bound(value, upwards=claim.relation == '<')}"
+    return prose(claim.words), (asked,), (figure,), (scope,), prose(claim.route), (str(claim.bits),)

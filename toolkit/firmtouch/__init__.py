@@ -16,6 +16,8 @@ TYPE_CHECKING = False  # type checkers take it as true; `typing` itself would co
 if TYPE_CHECKING:
     from typing import Any, Final
 
+    from firmtouch.certificate.certificate import Certificate, certify
+    from firmtouch.certificate.subject import Subject, subject_of
     from firmtouch.checks import CheckReport, check_model
     from firmtouch.design import Design, design_model
     from firmtouch.errors import Diagnostic, FirmtouchError, InputError, ModelFileError, NoDesignError
@@ -34,6 +36,8 @@ if TYPE_CHECKING:
     from firmtouch.synthesis.region import NoGainsError, RegionDesign, design_region
 
 _HOMES: Final = {
+    "certificate.certificate": ("Certificate", "certify"),
+    "certificate.subject": ("Subject", "subject_of"),
     "checks": ("CheckReport", "check_model"),
     "design": ("Design", "design_model"),
     "errors": ("Diagnostic", "FirmtouchError", "InputError", "ModelFileError", "NoDesignError"),
@@ -54,6 +58,7 @@ _HOMES: Final = {
 _HOME_OF: Final = {name: home for home, names in _HOMES.items() for name in names}
 
 __all__ = [
+    "Certificate",
     "CheckReport",
     "ClosedLoop",
     "Design",
@@ -70,7 +75,9 @@ __all__ = [
     "Plant",
     "RegionDesign",
     "SteadyState",
+    "Subject",
     "assign_poles",
+    "certify",
     "check_model",
     "close_loop",
     "derive_plant",
@@ -80,6 +87,7 @@ __all__ = [
     "parse_model",
     "read_model",
     "steady_state_errors",
+    "subject_of",
 ]
 
 

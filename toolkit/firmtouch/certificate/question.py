@@ -13,8 +13,8 @@ from firmtouch.certificate.surface import NoRootError
 
 SHRINKS: Final = (1e-12, 1e-10, 1e-8, 1e-6, 1e-4, 1e-2, 0.1, 0.3)
 """By which parts of itself an estimate is worsened until it is proven."""
-QUICK: Final = PRECISIONS[:2]
-"""Bits that a sharper figure may take."""
+QUICK: Final = PRECISIONS[1]
+"""Bits that a sharper figure may take, unless what is asked took more."""
 
 
 class Scope(Enum):
@@ -78,8 +78,9 @@ def settle(question: Question) -> Claim:
         if verdict is not Verdict.PROVEN:
             return _claim(question, verdict, math.inf, bits)
         figure = question.asked
+    precisions = tuple(each for each in PRECISIONS if each <= (QUICK if question.asked is None else max(bits, QUICK)))
     for candidate in _candidates(question):
-        better, needed = decide(lambda value=candidate: question.answer(value), QUICK)  # type: ignore[misc]
+        better, needed = decide(lambda value=candidate: question.answer(value), precisions)  # type: ignore[misc]
         if better is Verdict.PROVEN:
             return _claim(question, Verdict.PROVEN, candidate, needed if question.asked is None else bits)
     return _claim(question, verdict, figure, bits)

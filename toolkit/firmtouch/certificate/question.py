@@ -14,7 +14,7 @@ from firmtouch.certificate.surface import NoRootError
 SHRINKS: Final = (1e-12, 1e-10, 1e-8, 1e-6, 1e-4, 1e-2, 0.1, 0.3)
 """By which parts of itself an estimate is worsened until it is proven."""
 QUICK: Final = PRECISIONS[1]
-"""Bits that a sharper figure may take, unless what is asked took more."""
+"""Bits that a sharper figure may take; or twice as many as what is asked took."""
 
 
 class Scope(Enum):
@@ -78,7 +78,9 @@ def settle(question: Question) -> Claim:
         if verdict is not Verdict.PROVEN:
             return _claim(question, verdict, math.inf, bits)
         figure = question.asked
-    precisions = tuple(each for each in PRECISIONS if each <= (QUICK if question.asked is None else max(bits, QUICK)))
+    precisions = tuple(
+        each for each in PRECISIONS if each <= (QUICK if question.asked is None else max(2 * bits, QUICK))
+    )
     for candidate in _candidates(question):
         better, needed = decide(lambda value=candidate: question.answer(value), precisions)  # type: ignore[misc]
         if better is Verdict.PROVEN:

@@ -13,9 +13,9 @@ import firmtouch
 from firmtouch.errors import InputError, NoDesignError
 from firmtouch.mechanics import intervals
 from firmtouch.modelfile.expression.functions import SCALAR
-from firmtouch.regulation import operating_point, uncertainty
+from firmtouch.regulation import dependence, operating_point
+from firmtouch.regulation.dependence import LEBESGUE
 from firmtouch.regulation.uncertainty import (
-    LEBESGUE,
     IndefiniteInertiaError,
     sample,
     uncertainty_polytope,
@@ -305,14 +305,14 @@ def test_what_is_no_polynomial_stays_within_the_remainder(make_bent, rng, made, 
 
 
 def test_the_constants_of_the_interpolation():
-    nodes, x = uncertainty.nodes_of(4), np.linspace(0, 1, 20001)
+    nodes, x = dependence.nodes_of(4), np.linspace(0, 1, 20001)
     basis = [np.prod([(x - b) / (a - b) for b in nodes if b != a], axis=0) for a in nodes]
     assert 1.79 < np.abs(basis).sum(axis=0).max() < LEBESGUE
     assert np.abs(np.prod([x - a for a in nodes], axis=0)).max() < 0.5**5 / 8
-    error = uncertainty._interpolation_error(np.array([120.0]), 1.0)  # of p^5, whose fifth derivative is 120
+    error = dependence.interpolation_error(np.array([120.0]), 1.0)  # of p^5, whose fifth derivative is 120
     assert error == pytest.approx(0.5**5 / 8)
-    axes = [uncertainty._Axis("p", nodes, np.full(3, size)) for size in (0.0, 1.0, 2.0)]  # n = 1: M, P_qq and P_q
-    assert uncertainty._remainders(axes, 1) == pytest.approx([2 + LEBESGUE] * 3)
+    axes = [dependence.Axis("p", nodes, np.full(3, size)) for size in (0.0, 1.0, 2.0)]  # n = 1: M, P_qq and P_q
+    assert dependence.remainders_of(axes, 1) == pytest.approx([2 + LEBESGUE] * 3)
 
 
 def test_intervals_hold_the_values_of_each_operation(rng):

@@ -22,7 +22,7 @@ from firmtouch.mechanics.balls import BALLS, Ball
 from firmtouch.mechanics.tape import Tape, record
 from firmtouch.modelfile.sections.region import LambdaUncertainty
 from firmtouch.regulation import OperatingPoint
-from firmtouch.regulation.uncertainty import DEGREE, LEBESGUE, degree_of, nodes_of
+from firmtouch.regulation.dependence import DEGREE, LEBESGUE, degree_of, nodes_of
 
 NOMINAL: Final = "nominal plant"
 

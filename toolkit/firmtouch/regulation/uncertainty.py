@@ -11,25 +11,17 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Final
 
-import casadi as ca
 import numpy as np
 
 from firmtouch.errors import InputError, NoDesignError
 from firmtouch.mechanics import Array
-from firmtouch.mechanics.arrays import call_vector, frozen, symmetric
-from firmtouch.mechanics.intervals import enclose, has_kinks
+from firmtouch.mechanics.arrays import frozen, symmetric
 from firmtouch.modelfile import ModelSpec
+from firmtouch.regulation.dependence import Axis, Control, axes_of, controls_of, remainders_of, response_of
+from firmtouch.regulation.enlargement import enlargement_of
 from firmtouch.regulation.operating_point import OperatingPoint, Projection, operating_point_at
 
-DEGREE: Final = 4
-"""The highest degree that a parameter may have; what is no polynomial is interpolated with it."""
 MOST_VERTICES: Final = 256
-LEBESGUE: Final = 1.85
-"""Bounds the interpolation's norm at five Chebyshev-Lobatto nodes (Ehlich and Zeller 1966)."""
-SAMPLES: Final = 600
-"""How many parameter values stand for all of them in `enlargement`."""
-CONSTANT: Final = 1e-12
-"""What changes by less than this part of itself is constant but for rounding."""
 
 
 class IndefiniteInertiaError(InputError):
@@ -88,40 +80,12 @@ class Polytope:
 
 
 @dataclass(frozen=True, slots=True)
-class _Axis:
-    """One parameter: the nodes at which its polynomial is met, and what the polynomial misses, entry by entry."""
-
-    name: str
-    nodes: Array
-    error: Array
-
-    @property
-    def degree(self) -> int:
-        return len(self.nodes) - 1
-
-    def control_value(self, i: int) -> float:
-        t = i / self.degree
-        return float((1 - t) * self.nodes[0] + t * self.nodes[-1])
-
-
-@dataclass(frozen=True, slots=True)
 class _Forces:
     """The vertices of lambda_d - its nominal value (k x m), and how much their hull is larger than what occurs."""
 
     names: tuple[str, ...]
     offsets: Array
     enlargement: float
-
-
-@dataclass(frozen=True, slots=True)
-class _Control:
-    """One Bernstein control point (M, P_qq, P_q) of the parameters' part."""
-
-    label: dict[str, float]
-    untaken: tuple[str, ...]
-    M: Array
-    P_qq: Array
-    g: Array
 
 
 def uncertainty_polytope(
@@ -152,17 +116,17 @@ def uncertainty_polytope(
     assert not parameters or parameters.keys() <= spec.parameters.keys()
     assert all(math.isfinite(low) and low <= high < math.inf for low, high in parameters.values())
     forces = _forces(op, lambda_box, lambda_ball)
-    response = _response(op, parameters) if parameters else None
-    axes = _axes(op, response, parameters) if response is not None else ()
+    response = response_of(op, parameters) if parameters else None
+    axes = axes_of(op, response, parameters) if response is not None else ()
     _expect_few(axes, forces)
-    controls = _controls(op, response, axes)
-    remainder_M, remainder_N0, remainder_g = _remainders(axes, op.n) if axes else (0.0, 0.0, 0.0)
+    controls = controls_of(op, response, axes)
+    remainder_M, remainder_N0, remainder_g = remainders_of(axes, op.n) if axes else (0.0, 0.0, 0.0)
     polytope = Polytope(
         vertices=tuple(_vertices(op, controls, forces)),
         parameters=dict(parameters),
         lambda_box=None if lambda_box is None else dict(lambda_box),
         lambda_ball=lambda_ball,
-        enlargement=max(_enlargement(response, axes, controls), forces.enlargement),
+        enlargement=max(enlargement_of(response, axes, controls), forces.enlargement),
         remainder_M=remainder_M,
         remainder_N0=remainder_N0,
         remainder_g=remainder_g,
@@ -221,75 +185,7 @@ def _forces(op: OperatingPoint, box: Mapping[str, float] | None, ball: float | N
     return _Forces(names, signs @ sides, enlargement)
 
 
-def _response(op: OperatingPoint, parameters: Mapping[str, tuple[float, float]]) -> ca.Function:
-    """Give (M, P_qq, P_q) at q_d, stacked, as a function of the uncertain parameters alone."""
-    functions, names = op.plant.functions, list(op.plant.spec.parameters)
-    uncertain, p = ca.SX.sym("p", len(parameters)), ca.SX(op.plant.p)
-    for i, name in enumerate(parameters):
-        p[names.index(name)] = uncertain[i]
-    q = ca.SX.sym("q", op.n)
-    assert ca.jacobian(functions["Phi"](q, p), uncertain).nnz() == 0, "q_d would move with these parameters"
-    values = [ca.vec(functions[name](ca.SX(op.q_d), p)) for name in ("M", "P_qq", "P_q")]
-    return ca.Function("response", [uncertain], [ca.densify(ca.vertcat(*values))])
-
-
-def _split(values: Array, n: int) -> tuple[Array, Array, Array]:
-    """Undo the stacking of `_response`."""
-    M, P_qq, g = np.split(values, (n * n, 2 * n * n))
-    return symmetric(M.reshape(n, n)), symmetric(P_qq.reshape(n, n)), frozen(g)
-
-
-def _axes(
-    op: OperatingPoint, response: ca.Function, parameters: Mapping[str, tuple[float, float]]
-) -> tuple[_Axis, ...]:
-    """Find out how each parameter enters, and bound what a polynomial misses."""
-    p = ca.SX.sym("p", len(parameters))
-    values, box = response(p), list(parameters.values())
-    if has_kinks(response):
-        enclose(response, box, "the plant")
-    nominal = dict(zip(op.plant.spec.parameters, op.plant.p, strict=True))
-    axes = []
-    for i, (name, (low, high)) in enumerate(parameters.items()):
-        degree, derivative = degree_of(values, p[i])
-        if degree == 0 or low == high:
-            axes.append(_Axis(name, frozen([low if low == high else nominal[name]]), np.zeros(values.numel())))
-            continue
-        t = nodes_of(degree)
-        error: Array = np.zeros(values.numel())
-        if derivative.nnz():
-            fifth = ca.Function("fifth", [p], [ca.densify(derivative)])
-            error = _interpolation_error(enclose(fifth, box, f"the dependence on `{name}`"), high - low)
-        axes.append(_Axis(name, frozen((1 - t) * low + t * high), error))
-    return tuple(axes)
-
-
-def degree_of(values: ca.SX, parameter: ca.SX) -> tuple[int, ca.SX]:
-    """Differentiate until nothing is left: the degree, and the derivative after it (zero for polynomials)."""
-    for degree in range(DEGREE + 1):
-        values = ca.sparsify(ca.jacobian(values, parameter))
-        if values.nnz() == 0:
-            return degree, values
-    return DEGREE, values
-
-
-def nodes_of(degree: int) -> Array:
-    """Give the Chebyshev-Lobatto nodes in [0, 1], both ends among them."""
-    return frozen((1 - np.cos(np.pi * np.arange(degree + 1) / degree)) / 2)
-
-
-def _interpolation_error(fifth: Array, width: float) -> Array:
-    """Bound |f - f_4| by max |f^(5)| / 5! max |product of (p - p_i)|; the product is at most (width/2)^5 / 8."""
-    return frozen(fifth / math.factorial(DEGREE + 1) * (width / 2) ** (DEGREE + 1) / 2 ** (DEGREE - 1))
-
-
-def _remainders(axes: tuple[_Axis, ...], n: int) -> tuple[float, float, float]:
-    """Add up the errors of interpolating in one parameter after the other, E_1 + L E_2 + L^2 E_3 + ..., in norms."""
-    errors = sorted((axis.error for axis in axes), key=lambda error: -float(np.max(error)))
-    M, P_qq, g = _split(LEBESGUE ** np.arange(len(errors)) @ np.array(errors), n)
-    return float(np.linalg.norm(M, 2)), float(np.linalg.norm(P_qq, 2)), float(np.linalg.norm(g))
-
-
-def _expect_few(axes: tuple[_Axis, ...], forces: _Forces) -> None:
+def _expect_few(axes: tuple[Axis, ...], forces: _Forces) -> None:
     made = {axis.name: axis.degree + 1 for axis in axes if axis.degree}
     made |= {"lambda_d": len(forces.offsets)} if forces.names else {}
     count = math.prod(made.values())
@@ -300,40 +196,7 @@ def _expect_few(axes: tuple[_Axis, ...], forces: _Forces) -> None:
         )
 
 
-def _controls(op: OperatingPoint, response: ca.Function | None, axes: tuple[_Axis, ...]) -> list[_Control]:
-    """Give the Bernstein coefficients of (M, P_qq, P_q) over the box."""
-    if response is None:
-        return [_Control({}, (), op.M, op.P_qq, op.g)]
-    shape = [axis.degree + 1 for axis in axes]
-    coefficients: Array = _evaluate(response, [axis.nodes for axis in axes]).reshape(*shape, -1)
-    for k, axis in enumerate(axes):
-        solve = np.linalg.inv(_bernstein(axis.degree))
-        coefficients = np.moveaxis(np.tensordot(solve, coefficients, axes=(1, k)), 0, k)
-    return [_control(axes, index, coefficients[index], op.n) for index in np.ndindex(*shape)]
-
-
-def _control(axes: tuple[_Axis, ...], index: tuple[int, ...], values: Array, n: int) -> _Control:
-    at = {axis.name: (axis, i) for axis, i in zip(axes, index, strict=True) if axis.degree}
-    label = {name: axis.control_value(i) for name, (axis, i) in at.items()}
-    return _Control(label, tuple(name for name, (axis, i) in at.items() if 0 < i < axis.degree), *_split(values, n))
-
-
-def _evaluate(response: ca.Function, points: list[Array]) -> Array:
-    values = np.array([call_vector(response, point) for point in itertools.product(*points)])
-    if not np.all(np.isfinite(values)):
-        raise NoDesignError("the plant is not defined everywhere in the parameters' intervals; narrow them")
-    return values
-
-
-def _bernstein(degree: int) -> Array:
-    """Give the values of the Bernstein polynomials (columns) at the nodes (rows)."""
-    if degree == 0:
-        return np.ones((1, 1))
-    t, j = nodes_of(degree)[:, None], np.arange(degree + 1)
-    return frozen([math.comb(degree, each) for each in j] * t**j * (1 - t) ** (degree - j))
-
-
-def _vertices(op: OperatingPoint, controls: list[_Control], forces: _Forces) -> Iterator[Vertex]:
+def _vertices(op: OperatingPoint, controls: list[Control], forces: _Forces) -> Iterator[Vertex]:
     """Combine each control point of the parameters with each vertex of lambda_d."""
     constraints = list(op.plant.spec.constraints)
     outside = tuple(f"lambda_d.{name}" for name in forces.names) if forces.enlargement > 1 else ()
@@ -361,49 +224,3 @@ def _expect_positive(polytope: Polytope) -> None:
             f"definite (smallest eigenvalue {smallest - polytope.remainder_M:.3g}, at {where}); "
             "split or narrow the interval of a parameter that does not enter linearly"
         )
-
-
-def _enlargement(response: ca.Function | None, axes: tuple[_Axis, ...], controls: list[_Control]) -> float:
-    """Measure the parameters' part: 1 + 2 (farthest distance of a control point) / (diameter of what occurs)."""
-    from scipy.spatial.distance import pdist
-
-    beyond = [control for control in controls if control.untaken]
-    if response is None or not beyond:
-        return 1.0
-    size = controls[0].M.size
-    occurring = _evaluate(response, _grid(axes))[:, : 2 * size]
-    points = np.array([np.concatenate([control.M.ravel(), control.P_qq.ravel()]) for control in beyond])
-    occurring, points = _scaled(occurring, points, size)
-    diameter = float(np.max(pdist(occurring), initial=0.0))
-    if diameter == 0:
-        return 1.0
-    return 1 + 2 * max(_distance(point, occurring) for point in points) / diameter
-
-
-def _grid(axes: tuple[_Axis, ...]) -> list[Array]:
-    """Sample the parameters: the ends where the hull is that of the ends, and a grid where there are curves."""
-    curves = sum(axis.degree > 1 for axis in axes)
-    corners = math.prod(len(axis.nodes) for axis in axes if axis.degree == 1)
-    count = max(3, int((SAMPLES / corners) ** (1 / curves)))
-    return [np.linspace(axis.nodes[0], axis.nodes[-1], count) if axis.degree > 1 else axis.nodes for axis in axes]
-
-
-def _scaled(occurring: Array, points: Array, size: int) -> tuple[Array, Array]:
-    """Measure M and P_qq each by its own range, in coordinates of as few directions as they need."""
-    scale = np.zeros(2 * size)
-    for part in (slice(0, size), slice(size, 2 * size)):
-        reach = float(np.linalg.norm(np.ptp(occurring[:, part], axis=0)))
-        if reach > CONSTANT * float(np.max(np.abs(occurring[:, part]))):
-            scale[part] = 1 / reach
-    both = (np.vstack([occurring, points]) - occurring[0]) * scale
-    _, values, directions = np.linalg.svd(both, full_matrices=False)
-    both = both @ directions[values > CONSTANT * values[0]].T
-    return both[: len(occurring)], both[len(occurring) :]
-
-
-def _distance(point: Array, cloud: Array) -> float:
-    """Give the distance of a point from the convex hull of others (of size one)."""
-    from scipy.optimize import nnls
-
-    weights, _ = nnls(np.vstack([cloud.T, np.full(len(cloud), 100.0)]), np.append(point, 100.0))
-    return float(np.linalg.norm(cloud.T @ weights / np.sum(weights) - point))

@@ -14,7 +14,7 @@ from firmtouch.cli import main
 
 ROOT = Path(__file__).parents[2]
 PENDULUM = ROOT / "models" / "pendulum_rod.yaml"
-FILES = {"design.json", "report.html", "report.pdf"}
+FILES = {"certificate.json", "design.json", "report.html", "report.pdf"}
 
 # A point in space: two constraints leave one direction, and two expressions of one surface make them redundant.
 POINT = {
@@ -61,8 +61,8 @@ def assert_whole(folder: Path) -> None:
     """Every file that has its name is complete."""
     for name in FILES & listed(folder):
         content = (folder / name).read_bytes()
-        if name == "design.json":
-            assert json.loads(content)["schema"] == "firmtouch.design/1"
+        if name.endswith(".json"):
+            assert json.loads(content)["schema"] == f"firmtouch.{name.partition('.')[0]}/1"
         elif name == "report.html":
             assert content.rstrip().endswith(b"</html>")
         else:
@@ -71,9 +71,13 @@ def assert_whole(folder: Path) -> None:
 
 
 class TestAFinishedDesign:
-    def test_three_files_are_written_into_a_folder_that_is_made(self, finished):
+    def test_four_files_are_written_into_a_folder_that_is_made(self, finished):
         assert listed(finished) == FILES
         assert_whole(finished)
+
+    def test_the_certificate_verifies(self, finished, capsys):
+        assert main(["verify", str(finished / "certificate.json"), "--model", str(PENDULUM)]) == 0
+        assert capsys.readouterr().out.startswith("Certified: ")
 
     def test_files_can_be_read_by_others(self, finished):
         assert {(finished / name).stat().st_mode & 0o777 for name in FILES} == {0o644}
@@ -81,12 +85,13 @@ class TestAFinishedDesign:
     def test_the_verdict_and_the_files_are_printed_and_nothing_else(self, tmp_path, capsys):
         assert main(["design", str(PENDULUM), "--out", str(tmp_path), "--no-pdf"]) == 0
         printed = capsys.readouterr()
-        assert printed.out.startswith("Designed: the gains put the poles at −4 ± 2j 1/s")
-        assert printed.out.splitlines()[-2:] == [f"  {tmp_path / 'design.json'}", f"  {tmp_path / 'report.html'}"]
+        assert printed.out.startswith("Certified: the gains put the poles at −4 ± 2j 1/s")
+        written = ("design.json", "certificate.json", "report.html")
+        assert printed.out.splitlines()[-3:] == [f"  {tmp_path / name}" for name in written]
         assert printed.err == ""
         assert "\x1b" not in printed.out
 
-    def test_without_pdf_there_are_two_files(self, tmp_path, capsys):
+    def test_without_pdf_there_are_three_files(self, tmp_path, capsys):
         assert main(["design", str(PENDULUM), "--out", str(tmp_path), "--no-pdf"]) == 0
         assert listed(tmp_path) == FILES - {"report.pdf"}
 
@@ -296,15 +301,15 @@ def dying(call):
 
 os.fsync = dying(os.fsync)
 Path.replace = dying(Path.replace)
-write_files(Path(sys.argv[1]), {name: b"new" * 100_000 for name in ("design.json", "report.html", "report.pdf")})
+write_files(Path(sys.argv[1]), {name: b"new" * 100_000 for name in sys.argv[3:]})
 """
 
 
-@pytest.mark.parametrize("moment", range(1, 8))
+@pytest.mark.parametrize("moment", range(1, 2 * len(FILES) + 2))
 def test_each_file_is_the_old_or_the_new_one_whenever_the_writing_is_killed(tmp_path, moment):
     for name in FILES:
         (tmp_path / name).write_bytes(b"old")
-    killed = subprocess.run([sys.executable, "-c", DYING, str(tmp_path), str(moment)], check=False)
+    killed = subprocess.run([sys.executable, "-c", DYING, str(tmp_path), str(moment), *sorted(FILES)], check=False)
     assert killed.returncode == (0 if moment > 2 * len(FILES) else -9)
     contents = {name: (tmp_path / name).read_bytes() for name in FILES}
     assert set(contents.values()) <= {b"old", b"new" * 100_000}

@@ -101,7 +101,7 @@ def written(svg: str) -> list[str]:
 
 def test_the_sections_stand_in_the_order_in_which_one_reads(full):
     wanted = ["", "Model", "Operating point", "Specification", "Gains", "Poles", "Positivity", "Uncertainty", "Margins"]
-    assert titles(full.document) == [*wanted, "Steady-state errors", "Model checks"]
+    assert titles(full.document) == [*wanted, "Steady-state errors", "Certificate", "Model checks"]
 
 
 def test_a_design_by_poles_has_none_of_these_sections_and_loads_no_solver(shipped_report):
@@ -285,7 +285,7 @@ def test_margins_of_a_flat_surface_have_no_limit(full):
 
 def test_the_verdict_names_the_plants_the_region_and_the_slowest_pole(full):
     region, told = full.design.region, verdict(full.design)
-    assert told.startswith("Designed: for every m3 from 2 to 3 kg the gains keep all poles in the asked region")
+    assert told.startswith("Certified: for every m3 from 2 to 3 kg the gains keep all poles in the asked region")
     assert "(decay rate ≥ 4 1/s, damping ratio ≥ 0.6, |s| ≤ 30 rad/s)" in told
     slowest = max(pole.real for loop in (region.loop, *region.vertices) for pole in loop.poles.pencil)
     assert f"within about {number(-4 / slowest, 2)} s" in told

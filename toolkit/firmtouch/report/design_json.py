@@ -50,6 +50,7 @@ def design_as_json(design: Design) -> dict[str, Any]:
         "positivity": {"full": _positivity(loop.full), "tangent": _positivity(loop.tangent)},
         "steady_state": {name: _error(getattr(errors, name)) for name in ("force", "offset", "rotation", "tilt")},
         **(region_as_json(design.region) if design.region is not None else {}),
+        "certified": design.certificate.certified,
         "checks": [{"name": each.name, "holds": each.holds} for each in design.checks.results],
         "warnings": list(design.warnings),
     }

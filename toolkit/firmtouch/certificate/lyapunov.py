@@ -23,7 +23,8 @@ Matrix = np.ndarray[Any, np.dtype[Any]]
 
 STEPS: Final = 60
 SETTLED: Final = 1e-12
-DIVERGED: Final = 1e100
+DIVERGED: Final = 1e30
+REFINEMENTS: Final = 2
 
 
 def lyapunov_matrix(A: Matrix, edge: Edge) -> Matrix | None:
@@ -71,7 +72,18 @@ def _both(first: bool | None, second: bool | None) -> bool | None:
 
 
 def solve_lyapunov(A: Matrix, Q: Matrix) -> Matrix | None:
-    """Solve A* P + P A = -Q for a stable A by Newton's scaled iteration for the sign of a matrix (Roberts 1980)."""
+    """Solve A* P + P A = -Q for a stable A, refined by what is left over: near the edge floats lose half their digits."""
+    P = _by_sign(A, Q)
+    for _ in range(REFINEMENTS):
+        if P is None or not np.all(np.isfinite(P)):
+            return None
+        more = _by_sign(A, A.conj().T @ P + P @ A + Q)
+        P = P if more is None else P + (more + more.conj().T) / 2
+    return P
+
+
+def _by_sign(A: Matrix, Q: Matrix) -> Matrix | None:
+    """Solve it by Newton's scaled iteration for the sign of a matrix (Roberts 1980)."""
     Q = Q.astype(A.dtype)
     for _ in range(STEPS):
         try:
@@ -87,8 +99,20 @@ def solve_lyapunov(A: Matrix, Q: Matrix) -> Matrix | None:
 
 
 def _discrete(A: Matrix) -> Matrix | None:
-    """Solve P - A^T P A = I by doubling (Smith 1968)."""
-    P = np.eye(len(A))
+    """Solve P - A^T P A = I, refined in the same way."""
+    one = np.eye(len(A))
+    P = _by_doubling(A, one)
+    for _ in range(REFINEMENTS):
+        if P is None:
+            return None
+        more = _by_doubling(A, one - P + A.T @ P @ A)
+        P = P if more is None else P + (more + more.T) / 2
+    return P
+
+
+def _by_doubling(A: Matrix, Q: Matrix) -> Matrix | None:
+    """Solve P - A^T P A = Q by doubling (Smith 1968)."""
+    P = Q
     for _ in range(STEPS):
         more = A.T @ P @ A
         P, A = P + more, A @ A

@@ -67,21 +67,24 @@ class Plants:
         self._forces = forces
         names = list(op.plant.spec.parameters)
         self._nominal = [float(op.plant.p[names.index(each)]) for each in intervals]
-        q, uncertain, p = ca.SX.sym("q", op.n), ca.SX.sym("u", len(intervals)), ca.SX(op.plant.p)
+        # Parameters stay symbols, as CasADi would round products of numbers. Zeros are safe, and say what is absent.
+        q, uncertain, known = ca.SX.sym("q", op.n), ca.SX.sym("u", len(intervals)), ca.SX.sym("p", op.plant.p.size)
+        self._p = [arb(each) for each in op.plant.p.tolist()]
+        p = ca.vertcat(*(known[i] if each else ca.SX(0) for i, each in enumerate(op.plant.p.tolist())))
+        nominal = ca.SX(p)
         for i, name in enumerate(intervals):
             p[names.index(name)] = uncertain[i]
         functions = op.plant.functions
         values = ca.vertcat(*(ca.vec(functions[name](q, p)) for name in ("M", "P_qq")))
-        hessians = functions["Phi_qq"](q, ca.SX(op.plant.p))
-        self._values = record(ca.Function("values", [q, uncertain], [ca.densify(values)]), BALLS)
-        self._hessians = record(ca.Function("hessians", [q], [ca.densify(ca.vec(hessians))]), BALLS)
-        gradient = functions["P_q"](q, ca.SX(op.plant.p))
-        self._gradient = record(ca.Function("gradient", [q], [ca.densify(gradient)]), BALLS)
+        hessians, gradient = functions["Phi_qq"](q, nominal), functions["P_q"](q, nominal)
+        self._values = record(ca.Function("values", [q, uncertain, known], [ca.densify(values)]), BALLS)
+        self._hessians = record(ca.Function("hessians", [q, known], [ca.densify(ca.vec(hessians))]), BALLS)
+        self._gradient = record(ca.Function("gradient", [q, known], [ca.densify(gradient)]), BALLS)
         stacked = [hessians[:, j * op.n : (j + 1) * op.n] for j in range(op.m)]
         self._curved = [j for j, each in enumerate(stacked) if ca.sparsify(each).nnz()]
         self._box = list(intervals.values())
         self._axes = [
-            _axis(name, interval, values, ca.vertcat(q, uncertain), uncertain[i])
+            _axis(name, interval, values, ca.vertcat(q, uncertain, known), uncertain[i])
             for i, (name, interval) in enumerate(intervals.items())
         ]
 
@@ -92,7 +95,7 @@ class Plants:
 
     def hessians(self, q: Sequence[Ball]) -> list[BallMatrix]:
         """Enclose Phi_j''(q)."""
-        (entries,) = self._hessians(q)
+        (entries,) = self._hessians(q, self._p)
         size = self._n**2
         return [
             symmetrised(by_columns(entries[j * size : (j + 1) * size], self._n, self._n))
@@ -101,13 +104,13 @@ class Plants:
 
     def gradient(self, q: Sequence[Ball]) -> BallMatrix:
         """Enclose P_q(q) of the nominal plant."""
-        (entries,) = self._gradient(q)
+        (entries,) = self._gradient(q, self._p)
         return by_columns(entries, self._n, 1)
 
     def at(self, q: Sequence[Ball]) -> tuple[PlantBalls, tuple[PlantBalls, ...]]:
         """Give the nominal plant and all vertices (the nominal plant alone if nothing varies)."""
         hessians = self.hessians(q)
-        nominal = self._plant(NOMINAL, self._values(q, [arb(each) for each in self._nominal])[0], hessians, {})
+        nominal = self._plant(NOMINAL, self._values(q, [arb(each) for each in self._nominal], self._p)[0], hessians, {})
         if not self.vary:
             return nominal, (nominal,)
         spread = self._spread(q)
@@ -132,7 +135,7 @@ class Plants:
         """Give the Bernstein coefficients over the box of the parameters."""
         shape = [axis.degree + 1 for axis in self._axes]
         at_nodes = [
-            self._values(q, [arb(each) for each in point])[0]
+            self._values(q, [arb(each) for each in point], self._p)[0]
             for point in itertools.product(*(axis.nodes for axis in self._axes))
         ]
         table = np.empty((*shape, len(at_nodes[0])), dtype=object)
@@ -151,12 +154,13 @@ class Plants:
         if self._forces.box is not None:
             radii = {j: arb(self._forces.box[self._names[j]]) for j in self._curved}
         else:
-            radii = {j: arb(self._forces.ball or 0.0) * arb(len(self._curved)).sqrt() for j in self._curved}
+            radii = dict.fromkeys(self._curved, arb(self._forces.ball or 0.0))
         radii = {j: radius for j, radius in radii.items() if not radius.is_zero()}
         if not radii:
             return [({}, "")]
         if self._forces.ball is not None and len(radii) > 2:  # 2 m vertices instead of 2^m
-            moves = [{j: sign * radius} for j, radius in radii.items() for sign in (1, -1)]
+            wide = arb(len(radii)).sqrt()
+            moves = [{j: sign * radius * wide} for j, radius in radii.items() for sign in (1, -1)]
         else:
             signs = itertools.product((-1, 1), repeat=len(radii))
             moves = [
@@ -175,7 +179,7 @@ class Plants:
             if axis.missed is None:
                 continue
             scale = factor * (axis.width / 2) ** (DEGREE + 1) / math.factorial(DEGREE + 1) / 2 ** (DEGREE - 1)
-            (derivative,) = axis.missed([*q, *box])
+            (derivative,) = axis.missed([*q, *box, *self._p])
             spread = [each + scale * abs(more).upper() for each, more in zip(spread, derivative, strict=True)]
             factor *= arb(LEBESGUE)
         return spread

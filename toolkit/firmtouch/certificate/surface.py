@@ -82,7 +82,8 @@ class Surface:
         R = exact(np.linalg.inv(middle(self._jacobian(c))))
         image = c - R * self._F(c) + (identity(self.n) - R * self._jacobian(box)) * (box - c)
         inside = zip(box.entries(), image.entries(), strict=True)
-        if not all(each.contains_interior(found) for each, found in inside):
+        smooth = all(each.is_finite() for each in self._F(box).entries())  # the slope of atan2 does not show its jump
+        if not smooth or not all(each.contains_interior(found) for each, found in inside):
             raise NoRootError
         q = image.entries()
         return SurfacePoint(q, largest_size((image - self.q_d).entries()))

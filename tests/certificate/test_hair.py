@@ -14,7 +14,7 @@ from firmtouch.certificate.claims import positivity
 from firmtouch.certificate.decision import Verdict
 from firmtouch.certificate.edges import Edge, EdgeKind
 from firmtouch.certificate.question import settle
-from firmtouch.mechanics.arrays import frozen, symmetric
+from firmtouch.mechanics.arrays import symmetric
 
 HAIR = 1e-12
 CLEAR = mp.mpf(10) ** -9

@@ -37,6 +37,8 @@ def _read_hex(raw: object) -> float:
         raise ValueError("too large for a binary64 number") from error
     if not math.isfinite(value):
         raise ValueError("a finite number was expected")
+    if value.hex() != raw:
+        raise ValueError(f"a hexadecimal float was expected in its one way of writing it, `{value.hex()}`")
     return value
 
 

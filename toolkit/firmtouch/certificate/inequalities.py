@@ -61,6 +61,8 @@ def finsler_proves(subject: Subject, edge: Edge, multipliers: Multipliers) -> bo
 
     L (x) Y1^T P Y1 + R (x) Y1^T P Y2 + R^T (x) Y2^T P Y1 - I (x) (F^T G + G^T F) < 0 and P > 0 at every vertex.
     """  # noqa: D400  # the sentence goes on as a formula
+    if not multipliers.unit > 0:
+        return None  # time would run backwards
     balls, unit = subject.balls(), arb(multipliers.unit)
     T = exact(multipliers.basis)
     X = T - balls.J_plus * (balls.J * T)

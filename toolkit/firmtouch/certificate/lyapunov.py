@@ -72,7 +72,7 @@ def _both(first: bool | None, second: bool | None) -> bool | None:
 
 
 def solve_lyapunov(A: Matrix, Q: Matrix) -> Matrix | None:
-    """Solve A* P + P A = -Q for a stable A, refined by what is left over: near the edge floats lose half their digits."""
+    """Solve A* P + P A = -Q for a stable A, refined by what is left: near the edge floats lose half their digits."""
     P = _by_sign(A, Q)
     for _ in range(REFINEMENTS):
         if P is None or not np.all(np.isfinite(P)):
@@ -112,7 +112,7 @@ def _discrete(A: Matrix) -> Matrix | None:
 
 def _by_doubling(A: Matrix, Q: Matrix) -> Matrix | None:
     """Solve P - A^T P A = Q by doubling (Smith 1968)."""
-    P = Q
+    P: Matrix = Q
     for _ in range(STEPS):
         more = A.T @ P @ A
         P, A = P + more, A @ A

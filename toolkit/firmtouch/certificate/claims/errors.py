@@ -12,10 +12,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from typing import Final
 
+import flint
 import numpy as np
 from flint import arb
 
+from firmtouch.certificate.decision import PRECISIONS
 from firmtouch.certificate.matrices import (
     BallMatrix,
     diagonal,
@@ -28,6 +31,9 @@ from firmtouch.certificate.matrices import (
 from firmtouch.certificate.plants import PlantBalls
 from firmtouch.certificate.question import Question, Scope, every
 from firmtouch.certificate.subject import Balls, Subject
+
+TINY: Final = 1e-300
+"""Bounds an error that is exactly zero."""
 
 Matrix = Callable[[Balls, PlantBalls], BallMatrix]
 
@@ -69,8 +75,9 @@ def _question(subject: Subject, name: str, unit: str, matrix: Matrix, asked: flo
         return every(norm_is_within(matrix(balls, each), arb(value)) for each in plants(balls))
 
     def estimate() -> float:
-        balls = subject.balls()
-        return max(_norm(matrix(balls, each)) for each in plants(balls))
+        with flint.ctx.workprec(PRECISIONS[1]):
+            balls = subject.balls()
+            return max(TINY, *(_norm(matrix(balls, each)) for each in plants(balls)))
 
     scope = Scope.VERTICES if everywhere else Scope.NOMINAL
     words = name.capitalize().replace(" under ", " at rest under the worst ") + ": its norm"
@@ -78,7 +85,9 @@ def _question(subject: Subject, name: str, unit: str, matrix: Matrix, asked: flo
 
 
 def _norm(X: BallMatrix) -> float:
-    return float(np.linalg.norm(middle(X), 2))
+    """Estimate it, not below what the balls leave open: it may be zero (no tilt, no force, a singular K)."""
+    left_open = np.array([float(entry.rad()) for entry in X.entries()])
+    return float(np.linalg.norm(middle(X), 2)) + 4 * float(np.linalg.norm(left_open))
 
 
 def _position(balls: Balls, plant: PlantBalls) -> BallMatrix:

@@ -78,7 +78,7 @@ class Subject:
     gains: Gains
     asked: Asked
     witness: Witness = field(default_factory=Witness)
-    _known: dict[int, Balls] = field(default_factory=dict, repr=False, compare=False)
+    _known: dict[int, Balls] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     @cached_property
     def surface(self) -> Surface:

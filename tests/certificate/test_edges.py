@@ -76,7 +76,7 @@ edges = st.one_of(
 )
 
 
-@settings(max_examples=300)
+@settings(max_examples=150)
 @given(roots=polynomials, edge=edges, unit=st.sampled_from([1.0, 0.5, 4.0]))
 def test_routh_tells_whether_all_roots_are_inside(roots, edge, unit):
     """Roots counted in `unit` 1/s: those of s = unit z."""
@@ -128,7 +128,7 @@ def test_a_root_on_a_sector_of_3_4_5_is_never_proven():
         assert found is (Verdict.PROVEN if is_inside else Verdict.REFUTED)
 
 
-@settings(max_examples=60)
+@settings(max_examples=40)
 @given(seed=st.integers(0, 10**6), degree=st.integers(1, 7), part=st.sampled_from([1e-12, 1e-9, 1e-4]))
 @pytest.mark.parametrize("kind", EdgeKind)
 def test_a_hair_beside_the_worst_root_decides(kind, seed, degree, part):

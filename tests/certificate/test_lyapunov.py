@@ -35,7 +35,7 @@ def reached(A, kind):
     return min(values) if kind.relation == ">=" else max(values)
 
 
-@settings(max_examples=60)
+@settings(max_examples=30)
 @given(seed=seeds, n=st.integers(1, 6), part=st.sampled_from([1e-6, 1e-3, 0.3]))
 @pytest.mark.parametrize("kind", EdgeKind)
 def test_it_proves_what_is_inside_and_nothing_else(kind, seed, n, part):
@@ -64,7 +64,7 @@ def test_the_equation_is_solved(seed, n):
 
 
 @pytest.mark.parametrize("kind", EdgeKind)
-@settings(max_examples=60)
+@settings(max_examples=30)
 @given(seed=seeds, n=st.integers(2, 4))
 def test_no_matrix_at_all_proves_an_eigenvalue_outside(kind, seed, n):
     """Whatever P somebody brings: random ones, the identity, and nearly the right one."""

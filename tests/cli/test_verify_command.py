@@ -257,7 +257,8 @@ CHANGES = {
 
 @pytest.mark.parametrize("what", CHANGES)
 def test_a_claim_that_was_changed_is_told(original, tmp_path, capsys, what):
-    for i, claim in enumerate(original["claims"]):
+    first = list(CHANGES).index(what) % 3  # every claim is changed in three ways
+    for i, claim in list(enumerate(original["claims"]))[first::3]:
         changed = resealed(set_in(original, ["claims", i, what], CHANGES[what](claim)))
         code, said = verified(tmp_path, changed, capsys=capsys)
         assert code == 1
@@ -447,14 +448,14 @@ def scratch(tmp_path_factory) -> Path:
     return tmp_path_factory.mktemp("scratch")
 
 
-@settings(max_examples=150)
+@settings(max_examples=80)
 @given(part=st.floats(0, 1, exclude_max=True))
 def test_a_file_that_is_cut_off_is_no_certificate(finished, scratch, part):
     content = (finished / "certificate.json").read_bytes().rstrip()
     assert verified(scratch, content[: int(part * len(content))])[0] == 2
 
 
-@settings(max_examples=150)
+@settings(max_examples=80)
 @given(data=st.data())
 def test_no_flipped_byte_is_certified(finished, scratch, data):
     """Any byte to any other one; what JSON reads as the same (a space that became a line's end) is the same."""
@@ -477,7 +478,7 @@ def test_no_flipped_bit_is_certified(finished, scratch, data):
     assert verified(scratch, bytes(content))[0] in (1, 2)
 
 
-@settings(max_examples=60)
+@settings(max_examples=25)
 @given(data=st.data())
 def test_no_changed_number_is_certified_beside_its_design_whatever_the_digest(
     finished, original, tmp_path_factory, data

@@ -55,10 +55,9 @@ def test_all_operations_are_tested():
     assert {operation(name) for name in UNARY + BINARY} == set(BALLS.operations)
 
 
-@pytest.mark.parametrize("bits", [64, 53, 256])
 @pytest.mark.parametrize("name", UNARY)
-@settings(max_examples=40)
-@given(centre=centres, radius=radii, place=places)
+@settings(max_examples=50)
+@given(bits=st.sampled_from([53, 64, 256]), centre=centres, radius=radii, place=places)
 def test_an_operation_of_one_ball_holds_all_its_values(bits, name, centre, radius, place):
     code = operation(name)
     with flint.ctx.workprec(bits):
@@ -67,7 +66,7 @@ def test_an_operation_of_one_ball_holds_all_its_values(bits, name, centre, radiu
 
 
 @pytest.mark.parametrize("name", BINARY)
-@settings(max_examples=80)
+@settings(max_examples=60)
 @given(first=st.tuples(centres, radii, places), second=st.tuples(centres, radii, places), exponent=exponents)
 def test_an_operation_of_two_balls_holds_all_its_values(name, first, second, exponent):
     code = operation(name)
@@ -79,7 +78,7 @@ def test_an_operation_of_two_balls_holds_all_its_values(name, first, second, exp
 
 
 @pytest.mark.parametrize("name", [*UNARY, *BINARY])
-@settings(max_examples=40)
+@settings(max_examples=25)
 @given(centre=centres, radius=radii, other=st.tuples(centres, radii), exponent=exponents)
 def test_the_halves_of_a_ball_give_nothing_outside(name, centre, radius, other, exponent):
     """Subdivision never enlarges, but for the rounding of radii."""
@@ -172,7 +171,7 @@ def test_no_number_stays_none_through_a_whole_function():
 WHOLE = ("M", "J", "Phi", "P_q", "P_qq", "Phi_qq")
 
 
-@pytest.mark.parametrize("radius", [0.0, 1e-12, 1e-4, 0.03])
+@pytest.mark.parametrize("radius", [0.0, 1e-8, 0.03])
 def test_functions_of_shipped_models_are_enclosed_on_random_boxes(plant, rng, radius):
     """Balls of the whole function hold its value at random points of a random box, and halves give nothing outside."""
     guess = plant.spec.operating_point.guess or plant.spec.operating_point.q_d

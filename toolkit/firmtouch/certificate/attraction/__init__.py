@@ -12,6 +12,7 @@ from firmtouch.certificate.attraction.chart import Chart, stiffness_chart
 from firmtouch.certificate.attraction.joint_box import JointBox, find_joint_box
 from firmtouch.certificate.attraction.proof import Limit
 from firmtouch.certificate.attraction.speed import Speeds
+from firmtouch.certificate.attraction.whole_box import WholeBox, find_whole_box, prove_whole_box
 
 __all__ = [
     "Attraction",
@@ -22,8 +23,11 @@ __all__ = [
     "Search",
     "Speeds",
     "Together",
+    "WholeBox",
     "find_attraction",
     "find_joint_box",
+    "find_whole_box",
     "prove_attraction",
+    "prove_whole_box",
     "stiffness_chart",
 ]

@@ -44,7 +44,7 @@ TINY: Final = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class Point:
-    """E - reference, E_q (n), Phi (m) and J (m x n) at a point."""
+    """E, E_q (n), Phi (m) and J (m x n) at a point."""
 
     E: Ball
     E_q: BallMatrix
@@ -68,8 +68,8 @@ class Landscape:
         self._inertia = _tape(op, ("M",), BALLS)
         self._sheet = _tape(op, ("Phi", "J"), EXPANSIONS)
         self._terms = _tape(op, ("J", "P_q", "P_qq", "Phi_qq"), EXPANSIONS)
-        self._reference = arb(0)
-        self._reference = self.point(self.q_d).E
+        self.ground = arb(0)  # P(q_d), from which E is counted
+        self.ground = self.point(self.q_d).E
 
     def q_of(self, x1: BallMatrix, x2: BallMatrix) -> BallMatrix:
         """Give q = q_d + V1 x1 + V2 x2."""
@@ -100,7 +100,7 @@ class Landscape:
         P, P_q, Phi, J = self._point(q.entries(), self._p)
         dq = q - self.q_d
         pull = self._W * dq
-        E = P[0] - dot(self._bias, dq) + dot(dq, pull) / 2 - self._reference
+        E = P[0] - dot(self._bias, dq) + dot(dq, pull) / 2 - self.ground
         E_q = by_columns(P_q, self.n, 1) - self._bias + pull
         return Point(E, E_q, by_columns(Phi, self.m, 1), by_columns(J, self.m, self.n))
 

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from firmtouch.certificate.attraction.comparison import Comparison, compare_attraction
+from firmtouch.certificate.attraction.finding import Finding, look_around
 from firmtouch.certificate.certificate import Certificate, certify
 from firmtouch.certificate.subject import subject_of
 from firmtouch.certificate.witness import Multipliers, Witness
@@ -32,12 +34,15 @@ ILL_CONDITIONED: Final = 1e4
 GHOST: Final = 0.22
 """How far along a free direction the ghosts of the picture stand, in rad or m."""
 MOST_GHOST_DIRECTIONS: Final = 2
+MOST_DRAWN: Final = 2
+"""Free directions up to which the region of attraction is drawn, and simulated for comparison."""
 
 
 @dataclass(frozen=True, slots=True)
 class Design:
     """A checked design: all that the reports and `design.json` tell.
 
+    `surroundings` is None until they are looked at, which may take a while.
     `requested` is empty, and `residual` zero, for a region design, which asks for no particular poles; `region` holds
     what it does ask for, and is None for a pole assignment.
     """
@@ -53,7 +58,16 @@ class Design:
     scene: Scene | None
     region: RegionDesign | None
     certificate: Certificate
+    surroundings: Surroundings | None
     warnings: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Surroundings:
+    """How far and how fast the mechanism may start [T10], and, for n - m <= 2, what simulation finds beside it."""
+
+    finding: Finding
+    comparison: Comparison | None
 
 
 class ChecksFailedError(NoDesignError):
@@ -114,12 +128,21 @@ def design_model(
         scene=_scene(loop),
         region=region,
         certificate=certificate,
+        surroundings=None,
         warnings=(
             *_warnings(loop),
             *(_search_warnings(region) if region is not None else ()),
             *(f"Not proven: {each.words} ({each.verdict.value})." for each in certificate.open),
         ),
     )
+
+
+def look_around_design(design: Design) -> Design:
+    """Add the region of attraction to a design."""
+    finding = look_around(design.loop)
+    drawn = finding.attraction is not None and finding.attraction.chart.free <= MOST_DRAWN
+    comparison = compare_attraction(design.loop, finding.attraction) if drawn and finding.attraction else None
+    return replace(design, surroundings=Surroundings(finding, comparison))
 
 
 def _design_region(

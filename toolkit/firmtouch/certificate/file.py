@@ -6,16 +6,16 @@ import hashlib
 import json
 import math
 from collections.abc import Mapping
-from typing import Annotated, Any, Final, Literal
+from typing import Any, Final, Literal
 
-import numpy as np
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer, ValidationError
+from pydantic import Field, ValidationError
 
+from firmtouch.certificate.attraction.finding import Finding
 from firmtouch.certificate.certificate import Certificate
+from firmtouch.certificate.numbers import NotACertificateError, Number, Part, Rows, hexadecimal, matrix
 from firmtouch.certificate.question import Claim
+from firmtouch.certificate.surroundings_file import SurroundingsPart, surroundings_as_json
 from firmtouch.certificate.witness import Multipliers, Witness
-from firmtouch.errors import InputError
-from firmtouch.mechanics import Array
 from firmtouch.mechanics.arrays import frozen
 from firmtouch.regulation import Gains
 
@@ -24,33 +24,7 @@ LONGEST: Final = 16_000_000
 """Bytes; a longer file is no certificate."""
 
 
-class NotACertificateError(InputError):
-    """The file is not a certificate of this schema."""
-
-
-def _read_hex(raw: object) -> float:
-    if not isinstance(raw, str):
-        raise ValueError("a hexadecimal float was expected, as in `0x1.8p+1`")  # noqa: TRY004  # pydantic's way
-    try:
-        value = float.fromhex(raw)
-    except OverflowError as error:
-        raise ValueError("too large for a binary64 number") from error
-    if not math.isfinite(value):
-        raise ValueError("a finite number was expected")
-    if value.hex() != raw:
-        raise ValueError(f"a hexadecimal float was expected in its one way of writing it, `{value.hex()}`")
-    return value
-
-
-Number = Annotated[float, BeforeValidator(_read_hex), PlainSerializer(lambda value: value.hex())]
-Rows = list[list[Number]]
-
-
-class _Part(BaseModel):
-    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
-
-
-class ModelPart(_Part):
+class ModelPart(Part):
     """Which model file, and by which method the gains were found."""
 
     name: str
@@ -58,14 +32,14 @@ class ModelPart(_Part):
     method: Literal["poles", "region"]
 
 
-class PointPart(_Part):
+class PointPart(Part):
     """The regulation point."""
 
     q_d: list[Number]
     lambda_d: list[Number]
 
 
-class GainsPart(_Part):
+class GainsPart(Part):
     """W, C, G_f and the constant force."""
 
     W: Rows
@@ -74,7 +48,7 @@ class GainsPart(_Part):
     bias: list[Number]
 
 
-class MultiplierPart(_Part):
+class MultiplierPart(Part):
     """F and P of one edge."""
 
     F: Rows
@@ -83,14 +57,14 @@ class MultiplierPart(_Part):
     unit: Number
 
 
-class WitnessPart(_Part):
+class WitnessPart(Part):
     """What the proof of the region begins from."""
 
     epsilon: Number | None
     multipliers: dict[str, MultiplierPart]
 
 
-class ClaimPart(_Part):
+class ClaimPart(Part):
     """One claim; `figure` is null where nothing is proven."""
 
     name: str
@@ -105,7 +79,7 @@ class ClaimPart(_Part):
     bits: int
 
 
-class CertificateFile(_Part):
+class CertificateFile(Part):
     """A whole certificate as it stands in a file."""
 
     schema_: Literal["firmtouch.certificate/1"] = Field(alias="schema")
@@ -117,6 +91,7 @@ class CertificateFile(_Part):
     witness: WitnessPart
     certified: bool
     claims: list[ClaimPart]
+    surroundings: SurroundingsPart | None
     digest: str
 
     def sealed(self) -> bool:
@@ -125,9 +100,14 @@ class CertificateFile(_Part):
 
 
 def certificate_as_json(
-    certificate: Certificate, *, model: ModelPart, design_sha256: str, version: str
+    certificate: Certificate,
+    *,
+    model: ModelPart,
+    design_sha256: str,
+    version: str,
+    finding: Finding | None = None,
 ) -> dict[str, Any]:
-    """Give a certificate as plain data for JSON."""
+    """Give a certificate as plain data for JSON; `finding` is what was proven about the region of attraction."""
     subject = certificate.subject
     gains, op, witness = subject.gains, subject.op, subject.witness
     data: dict[str, Any] = {
@@ -135,15 +115,15 @@ def certificate_as_json(
         "firmtouch": version,
         "model": model.model_dump(mode="json"),
         "design_sha256": design_sha256,
-        "operating_point": {"q_d": _hex(op.q_d), "lambda_d": _hex(op.lambda_d)},
-        "gains": {name: _hex(getattr(gains, name)) for name in ("W", "C", "G_f", "bias")},
+        "operating_point": {"q_d": hexadecimal(op.q_d), "lambda_d": hexadecimal(op.lambda_d)},
+        "gains": {name: hexadecimal(getattr(gains, name)) for name in ("W", "C", "G_f", "bias")},
         "witness": {
             "epsilon": None if witness.epsilon is None else witness.epsilon.hex(),
             "multipliers": {
                 name: {
-                    "F": _hex(each.F),
-                    "P": [_hex(P) for P in each.P],
-                    "basis": _hex(each.basis),
+                    "F": hexadecimal(each.F),
+                    "P": [hexadecimal(P) for P in each.P],
+                    "basis": hexadecimal(each.basis),
                     "unit": each.unit.hex(),
                 }
                 for name, each in witness.multipliers.items()
@@ -151,6 +131,7 @@ def certificate_as_json(
         },
         "certified": certificate.certified,
         "claims": [_claim(each) for each in certificate.claims],
+        "surroundings": None if finding is None else surroundings_as_json(finding),
     }
     return data | {"digest": _digest(data)}
 
@@ -191,13 +172,13 @@ def gains_in(file: CertificateFile) -> Gains:
         If rows differ in length.
     """
     part = file.gains
-    return Gains(_matrix(part.W), _matrix(part.C), _matrix(part.G_f), frozen(part.bias))
+    return Gains(matrix(part.W), matrix(part.C), matrix(part.G_f), frozen(part.bias))
 
 
 def witness_in(file: CertificateFile) -> Witness:
     """Give what a file's proof of the region begins from."""
     multipliers = {
-        name: Multipliers(_matrix(each.F), tuple(_matrix(P) for P in each.P), _matrix(each.basis), each.unit)
+        name: Multipliers(matrix(each.F), tuple(matrix(P) for P in each.P), matrix(each.basis), each.unit)
         for name, each in file.witness.multipliers.items()
     }
     return Witness(file.witness.epsilon, multipliers)
@@ -216,16 +197,6 @@ def _claim(claim: Claim) -> dict[str, Any]:
         "verdict": claim.verdict.value,
         "bits": claim.bits,
     }
-
-
-def _hex(values: Array) -> Any:  # noqa: ANN401  # nested lists
-    return [_hex(each) for each in values] if np.ndim(values) else float(values).hex()
-
-
-def _matrix(rows: Rows) -> Array:
-    if len({len(row) for row in rows}) > 1:
-        raise NotACertificateError("no certificate: a matrix whose rows differ in length")
-    return frozen(rows)
 
 
 def _digest(data: Mapping[str, Any]) -> str:

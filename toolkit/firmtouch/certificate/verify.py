@@ -15,10 +15,11 @@ from firmtouch.certificate.decision import Verdict
 from firmtouch.certificate.file import CertificateFile, ClaimPart, gains_in, witness_in
 from firmtouch.certificate.question import Question, confirm
 from firmtouch.certificate.subject import Subject, subject_of
+from firmtouch.certificate.surroundings_file import disproven
 from firmtouch.mechanics import derive_plant
 from firmtouch.mechanics.arrays import frozen
 from firmtouch.modelfile import ModelFile
-from firmtouch.regulation import Gains, OperatingPoint, find_operating_point
+from firmtouch.regulation import Gains, OperatingPoint, close_loop, find_operating_point
 from firmtouch.regulation.operating_point import Projection, operating_point_at
 
 SAME: Final = 1e-9
@@ -61,12 +62,16 @@ def verify(file: CertificateFile, model: ModelFile, design: bytes | None = None)
         own.plant, Projection(frozen(file.operating_point.q_d), own.residual, own.moved),
         frozen(file.operating_point.lambda_d),
     )  # fmt: skip
+    subject = subject_of(op, gains, witness_in(file))
     try:
         with np.errstate(all="ignore"):  # of gains that are no gains
-            proven, failed = _claims(file, subject_of(op, gains, witness_in(file)))
+            proven, failed = _claims(file, subject)
+            around = [] if file.surroundings is None else [*disproven(file.surroundings, close_loop(op, gains))]
     except (np.linalg.LinAlgError, OverflowError) as error:
-        proven, failed = [], [f"the gains are no gains: {error}"]
-    return Verification(tuple(proven), (*differences, *failed))
+        return Verification((), (*differences, f"the gains are no gains: {error}"))
+    if file.surroundings is not None and not around:
+        proven.append("region of attraction")
+    return Verification(tuple(proven), (*differences, *failed, *around))
 
 
 def _identity(file: CertificateFile, model: ModelFile, design: bytes | None) -> Iterator[str]:

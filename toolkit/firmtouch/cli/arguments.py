@@ -39,6 +39,9 @@ def build_parser() -> argparse.ArgumentParser:
     design.add_argument("--out", metavar="DIR", help="where to write (default: reports/<model>)")
     design.add_argument("--json", action="store_true", help="print design.json on stdout instead of words")
     design.add_argument("--no-pdf", action="store_true", help="leave out report.pdf")
+    design.add_argument(
+        "--no-attraction", action="store_true", help="prove no region of attraction, which takes longest"
+    )
     design.set_defaults(run=_command("design"))
 
     check = commands.add_parser(

@@ -28,10 +28,13 @@ def run(arguments: argparse.Namespace) -> int:
         if arguments.method is not None:
             model = model.with_method(arguments.method)
         progress("loading the design tools")
-        from firmtouch.design import design_model
+        from firmtouch.design import design_model, look_around_design
         from firmtouch.report import verdict, write_files
 
         design = design_model(model, progress, front=_pair(arguments.front))
+        if not arguments.no_attraction:
+            progress("proving a region of attraction")
+            design = look_around_design(design)
         contents = _contents(design, progress, pdf=not arguments.no_pdf)
         folder = Path(arguments.out) if arguments.out is not None else Path("reports") / model.name
         progress("writing")
@@ -64,7 +67,11 @@ def _certificate(design: Design, content: bytes) -> bytes:
 
     part = ModelPart(name=design.model.name, sha256=design.model.sha256, method=design.model.spec.design.method)
     data = certificate_as_json(
-        design.certificate, model=part, design_sha256=hashlib.sha256(content).hexdigest(), version=version("firmtouch")
+        design.certificate,
+        model=part,
+        design_sha256=hashlib.sha256(content).hexdigest(),
+        version=version("firmtouch"),
+        finding=None if design.surroundings is None else design.surroundings.finding,
     )
     return (json.dumps(data, indent=1, allow_nan=False) + "\n").encode()
 

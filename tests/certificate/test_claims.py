@@ -16,7 +16,9 @@ from tests.synthesis.region_plants import draw_positive, draw_symmetric
 import firmtouch
 from firmtouch.certificate.certificate import Certificate, certify, questions_of
 from firmtouch.certificate.claims import errors, gains, positivity, surface
+from firmtouch.certificate.claims import poles as pole_claims
 from firmtouch.certificate.decision import Verdict
+from firmtouch.certificate.edges import Edge, EdgeKind
 from firmtouch.certificate.question import Question, Scope, confirm, every, settle
 from firmtouch.certificate.subject import subject_of
 from firmtouch.mechanics.arrays import frozen
@@ -182,6 +184,23 @@ def test_margins_count_for_the_worst_vertex():
     assert after["W full"].figure == before["W full"].figure
     inertia = [claims_of(surface, each)["inertia"].figure for each in (subject, softer)]
     assert inertia[1] == pytest.approx(inertia[0] / 2, rel=1e-9)
+
+
+def test_what_holds_for_the_nominal_plant_alone_is_refuted():
+    """One vertex is softer than asked, or slower: asked is what lies between the nominal plant and that vertex."""
+    subject = draw_bare(3)
+    op, n = subject.op, subject.op.n
+    least = claims_of(positivity, subject)["K full"].figure
+    decay = claims_of(pole_claims, subject)["decay rate, Routh-Hurwitz"].figure
+    asked = replace(subject.asked, mu=least - 1, edges=(Edge(EdgeKind.DECAY, decay * 0.9),))
+    nominal = replace(subject, asked=asked)
+    soft = replace(nominal, vertices=((op.M, op.N0), (op.M, op.N0 - 2 * np.eye(n))))
+    heavy = replace(nominal, vertices=((op.M, op.N0), (op.M * 100, op.N0)))
+    for each, verdict in ((nominal, Verdict.PROVEN), (soft, Verdict.REFUTED), (heavy, Verdict.PROVEN)):
+        assert claims_of(positivity, each)["K full"].verdict is verdict
+    routh = "decay rate, Routh-Hurwitz"
+    assert claims_of(pole_claims, nominal)[routh].verdict is Verdict.PROVEN
+    assert claims_of(pole_claims, heavy)[routh].verdict is Verdict.REFUTED
 
 
 def test_the_rank_is_the_least_singular_value():

@@ -219,7 +219,10 @@ def test_time_that_runs_backwards_proves_nothing_of_an_unstable_loop(decentralis
     gains = replace(subject.gains, C=frozen(-subject.gains.C))
     backwards = replace(whole, unit=-whole.unit)
     mirrored = subject_of(subject.op, gains, subject.witness)
-    assert decide(lambda: finsler_proves(mirrored, Edge(EdgeKind.DECAY, -10.0), backwards))[0] is not Verdict.PROVEN
+    assert (
+        decide(lambda: finsler_proves(mirrored, Edge(EdgeKind.DECAY, -subject.asked.edges[0].value), backwards))[0]
+        is not Verdict.PROVEN
+    )
 
 
 def test_evidence_of_the_search_is_evidence_for_the_proof():

@@ -5,11 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
-from firmtouch.certificate.attraction.attraction import Attraction, NotProvenError, find_attraction
+from firmtouch.certificate.attraction.attraction import MOST_CELLS, Attraction, NotProvenError, find_attraction
 from firmtouch.certificate.attraction.joint_box import JointBox, find_joint_box
 from firmtouch.certificate.attraction.whole_box import MOST_JOINTS, WholeBox, find_whole_box
 from firmtouch.regulation import ClosedLoop
 
+FEW_CELLS: Final = 300
+FEW_DIRECTIONS: Final = 2
+"""With more free directions each cell takes longer."""
+MOST_DIRECTIONS: Final = 3
+"""A box of joint coordinates is looked for with up to so many free directions."""
 MOST_COORDINATES: Final = 6
 """With more of them, nothing is tried: cells grow in number too fast."""
 
@@ -28,13 +33,19 @@ def look_around(loop: ClosedLoop) -> Finding:
     if loop.operating_point.n > MOST_COORDINATES:
         return Finding(None, None, (f"it is looked for with up to {MOST_COORDINATES} coordinates",))
     reasons: list[str] = []
-    attraction, box = None, None
+    attraction: Attraction | None = None
+    box: JointBox | WholeBox | None = None
+    op = loop.operating_point
+    free = op.n - op.m
     try:
-        attraction = find_attraction(loop)
+        attraction = find_attraction(loop, most_cells=FEW_CELLS if free > FEW_DIRECTIONS else MOST_CELLS)
     except NotProvenError as error:
         reasons.append(error.reason)
     try:
-        box = find_whole_box(loop) if loop.operating_point.n <= MOST_JOINTS else find_joint_box(loop)
+        if op.n <= MOST_JOINTS:
+            box = find_whole_box(loop)
+        elif free <= MOST_DIRECTIONS:
+            box = find_joint_box(loop)
     except NotProvenError as error:
         reasons.append(error.reason)
     return Finding(attraction, box, tuple(reasons))

@@ -6,6 +6,7 @@ from importlib.metadata import version
 
 from firmtouch.design import Design
 from firmtouch.report.contents import (
+    attraction,
     certificate,
     checks,
     errors,
@@ -36,6 +37,7 @@ def design_document(design: Design) -> Document:
         margins.section(design),
         errors.section(design),
         certificate.section(design),
+        attraction.section(design),
         checks.section(design),
     )
     model = design.model

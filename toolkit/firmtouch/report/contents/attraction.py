@@ -48,8 +48,8 @@ def _statement(found: Attraction) -> tuple[Block, ...]:
         Paragraph(
             prose(
                 "never grows. Every start on the surface next to q_d with "
-                f"V < c = {bound(found.level, upwards=False)} J comes to rest at q_d: where V can stay there is no other "
-                "equilibrium, and no way out below c. Both are proven by covering the surface with cells in ball "
+                f"V < c = {bound(found.level, upwards=False)} J comes to rest at q_d: where V can stay there is no "
+                "other equilibrium, and no way out below c. Both are proven by covering the surface with cells in ball "
                 "arithmetic, without samples [T10]. For (17) this is open; near q_d it is the same to first order."
             )
         ),

@@ -31,6 +31,16 @@ EXPECTED = {
         "greatest_margin": (25.88, 1e-2),  # at the edge of what eps allows
         "conflict": ([141.4, 0.01682], 2e-2),  # bisected to one percent
     },
+    # Counts are exact; proven figures are as sharp as floats estimate them, and cells end where rounding lets them.
+    "03_proof": {
+        "claims": ([19, 19], 0),
+        "K_min": ([2.1694], 1e-4),
+        "decay": ([9, 9], 1e-5),
+        "spoilt": ([1, 1], 0),
+        "differences": ([2, 9], 0),
+        "level": ([0.97155, 0.078336], 2e-2),
+        "half_width": ([0.20883], 0.1),  # the last step of the search is bisected twice
+    },
 }
 
 

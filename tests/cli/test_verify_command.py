@@ -30,8 +30,19 @@ def finished(tmp_path_factory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def original(finished) -> dict:
+def whole(finished) -> dict:
     return json.loads((finished / "certificate.json").read_text(encoding="utf-8"))
+
+
+@pytest.fixture(scope="module")
+def original(whole) -> dict:
+    """Without the region of attraction, which takes longer to prove than all the rest."""
+    return resealed(whole | {"surroundings": None})
+
+
+@pytest.fixture(scope="module")
+def content(original) -> bytes:
+    return json.dumps(original, indent=1).encode()
 
 
 @pytest.fixture
@@ -76,20 +87,22 @@ def ulp(text: str, towards: float = math.inf) -> str:
     return math.nextafter(float.fromhex(text), towards).hex()
 
 
-def test_what_was_written_is_certified(finished, original, tmp_path, capsys):
+def test_what_was_written_is_certified(finished, whole, tmp_path, capsys):
     assert main(["verify", str(finished / "certificate.json"), "--model", str(PENDULUM)]) == 0
     printed = capsys.readouterr()
-    assert printed.out == f"Certified: {len(original['claims'])} claims are proven once more for pendulum_rod.\n"
+    count = len(whole["claims"]) + 1  # and the region of attraction
+    assert printed.out == f"Certified: {count} claims are proven once more for pendulum_rod.\n"
     assert printed.err == ""
-    code, said = verified(tmp_path, original, capsys=capsys)
+    code, said = verified(tmp_path, whole, capsys=capsys)
     assert code == 0
     assert "there is no design.json beside it to compare" in said
 
 
-def test_json_tells_the_same(finished, original, tmp_path, capsys):
+def test_json_tells_the_same(finished, whole, original, tmp_path, capsys):
     assert main(["verify", str(finished / "certificate.json"), "--model", str(PENDULUM), "--json"]) == 0
     told = json.loads(capsys.readouterr().out)
-    assert told == {"certified": True, "proven": [each["name"] for each in original["claims"]], "differences": []}
+    proven = [*(each["name"] for each in whole["claims"]), "region of attraction"]
+    assert told == {"certified": True, "proven": proven, "differences": []}
     (tmp_path / "certificate.json").write_text(json.dumps(set_in(original, ["digest"], "0")), encoding="utf-8")
     assert main(["verify", str(tmp_path / "certificate.json"), "--model", str(PENDULUM), "--json"]) == 1
     told = json.loads(capsys.readouterr().out)
@@ -333,6 +346,38 @@ def test_matrices_of_other_shapes_are_told(original, tmp_path, capsys):
         assert (code, f"{name} does not fit" in said) == (1, True)
 
 
+# The region of attraction
+
+FIGURES = ("level", "distance", "speed", "speed_of_joints", "distance_together", "speed_together")
+
+
+@pytest.mark.parametrize("place", [*(("attraction", name) for name in FIGURES), ("box", "level")], ids=" ".join)
+def test_a_region_of_attraction_that_is_larger_than_proven_is_refused(whole, tmp_path, capsys, place):
+    path = ["surroundings", *place]
+    figure = float.fromhex(whole["surroundings"][place[0]][place[1]])
+    code, said = verified(tmp_path, resealed(set_in(whole, path, (figure * 1.01).hex())), capsys=capsys)
+    assert (code, "not proven" in said or "proven:" in said) == (1, True)
+    assert verified(tmp_path, set_in(whole, path, (figure * 0.99).hex()))[0] == 1  # true, and the digest tells
+
+
+def test_a_region_of_attraction_of_another_mechanism_or_none_is_refused(whole, tmp_path):
+    one, zero = (1.0).hex(), (0.0).hex()
+    for place, value, code in (
+        (["attraction", "V1"], [[one]], 1),
+        (["attraction", "V2"], [[zero], [zero]], 1),
+        (["attraction", "V1"], [[one], [one, one]], 2),
+        (["attraction", "half_widths"], [], 1),
+        (["attraction", "units"], [one], 1),
+        (["attraction", "units"], [zero, zero], 2),
+        (["attraction", "most_cells"], 10**9, 2),
+        (["attraction", "level"], (-1.0).hex(), 2),
+        (["attraction", "speed"], "inf", 2),
+        (["box", "units"], [one], 1),
+        (["box", "half_width"], (3.5).hex(), 1),
+    ):
+        assert verified(tmp_path, resealed(set_in(whole, ["surroundings", *place], value)))[0] == code
+
+
 # What is no certificate
 
 
@@ -450,16 +495,15 @@ def scratch(tmp_path_factory) -> Path:
 
 @settings(max_examples=80)
 @given(part=st.floats(0, 1, exclude_max=True))
-def test_a_file_that_is_cut_off_is_no_certificate(finished, scratch, part):
-    content = (finished / "certificate.json").read_bytes().rstrip()
+def test_a_file_that_is_cut_off_is_no_certificate(content, scratch, part):
     assert verified(scratch, content[: int(part * len(content))])[0] == 2
 
 
 @settings(max_examples=80)
 @given(data=st.data())
-def test_no_flipped_byte_is_certified(finished, scratch, data):
+def test_no_flipped_byte_is_certified(content, scratch, data):
     """Any byte to any other one; what JSON reads as the same (a space that became a line's end) is the same."""
-    content = bytearray((finished / "certificate.json").read_bytes())
+    content = bytearray(content)
     place = data.draw(st.integers(0, len(content) - 1))
     before, content[place] = content[place], data.draw(st.integers(0, 255))
     code = verified(scratch, bytes(content))[0]
@@ -471,8 +515,8 @@ def test_no_flipped_byte_is_certified(finished, scratch, data):
 
 @settings(max_examples=100)
 @given(data=st.data())
-def test_no_flipped_bit_is_certified(finished, scratch, data):
-    content = bytearray((finished / "certificate.json").read_bytes())
+def test_no_flipped_bit_is_certified(content, scratch, data):
+    content = bytearray(content)
     place, bit = data.draw(st.integers(0, len(content) - 1)), data.draw(st.integers(0, 7))
     content[place] ^= 1 << bit
     assert verified(scratch, bytes(content))[0] in (1, 2)
@@ -528,6 +572,8 @@ def test_a_region_design_of_many_plants_is_verified_without_a_solver(tmp_path):
         == 0
     )
     data = json.loads((tmp_path / "certificate.json").read_text(encoding="utf-8"))
+    data = resealed(data | {"surroundings": None})  # which takes long, and has tests of its own
+    (tmp_path / "certificate.json").write_text(json.dumps(data), encoding="utf-8")
     assert data["model"]["method"] == "region"
     assert any(each["route"].startswith("[T4], eps = ") for each in data["claims"])
     code = (

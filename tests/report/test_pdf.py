@@ -81,7 +81,15 @@ def test_no_page_but_the_last_is_mostly_blank(pages):
 
 def test_it_tells_the_verdict_and_the_sections(text):
     assert "Certified:" in text
-    for heading in ("Operatingpoint", "Gains", "Poles", "Positivity", "Steady-stateerrors", "Certificate", "Modelchecks"):
+    for heading in (
+        "Operatingpoint",
+        "Gains",
+        "Poles",
+        "Positivity",
+        "Steady-stateerrors",
+        "Certificate",
+        "Modelchecks",
+    ):
         assert heading in text
 
 

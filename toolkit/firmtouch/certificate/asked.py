@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 
@@ -14,6 +15,9 @@ from firmtouch.modelfile import ModelSpec
 from firmtouch.modelfile.sections.region import LambdaUncertainty, RegionSpec
 from firmtouch.modelfile.vector_units import Units, units_of
 from firmtouch.regulation.uncertainty import uncertain_parameters
+
+MOVED: Final = 1e-4
+"""What assigned poles may miss, relatively: double ones move by the square root of rounding."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +57,7 @@ def asked_of(spec: ModelSpec) -> Asked:
         level=design.level,
         mu=mu,
         D=D,
-        edges=() if region is None else _edges(region),
+        edges=_slowest(spec) if region is None else _edges(region),
         causes=_causes(spec),
         region=region,
         intervals={} if region is None else uncertain_parameters(spec),
@@ -70,6 +74,13 @@ def _margin(spec: ModelSpec, region: RegionSpec | None) -> tuple[float, Array]:
     if np.all(values == values[0]) and units_of(spec).stiffness:
         return float(values[0]), frozen(np.ones(spec.n))
     return 1.0, values
+
+
+def _slowest(spec: ModelSpec) -> tuple[Edge, ...]:
+    """Take from assigned poles that none is slower than the slowest one asked for; a double pole may move a little."""
+    poles = [pole for group in spec.design.poles or () for pole in group]
+    rate = min((-pole.real for pole in poles), default=0.0)
+    return (Edge(EdgeKind.DECAY, (1 - MOVED) * rate),) if rate > 0 else ()
 
 
 def _edges(region: RegionSpec) -> tuple[Edge, ...]:

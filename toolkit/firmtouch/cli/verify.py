@@ -31,10 +31,11 @@ def run(arguments: argparse.Namespace) -> int:
         sys.stdout.write(json.dumps(result, indent=1) + "\n")
         return GOOD if found.holds else NO
     console = results_console()
-    words = f"{len(found.proven)} claims are proven once more"
+    method = {"poles": "assigned poles", "region": "the region"}[file.model.method]
+    words = f"{len(found.proven)} claims about gains for {method} are proven once more"
     if found.holds:
         compared = "" if beside.is_file() else "; there is no design.json beside it to compare"
-        console.print(f"Certified: {words} for {model.name}{compared}.", markup=False, soft_wrap=True)
+        console.print(f"Certified: {words}, model {model.name}{compared}.", markup=False, soft_wrap=True)
         return GOOD
     console.print(f"Not certified: {words}, and this differs:", markup=False, soft_wrap=True)
     for each in found.differences:

@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 import firmtouch
+from firmtouch.certificate.file import read_certificate
+from firmtouch.certificate.verify import verify
 from firmtouch.report import design_as_json
 
 ROOT = Path(__file__).parents[2]
@@ -30,3 +32,12 @@ def test_a_kept_sample_is_whole(name):
     folder = ROOT / "reports" / "samples" / name
     assert (folder / "report.html").read_text(encoding="utf-8").rstrip().endswith("</html>")
     assert (folder / "report.pdf").read_bytes().rstrip().endswith(b"%%EOF")
+
+
+def test_a_kept_certificate_is_proven_again():
+    """The small one: the other's region of attraction takes long."""
+    folder = ROOT / "reports" / "samples" / "planar_2r_wall"
+    file = read_certificate((folder / "certificate.json").read_bytes(), "certificate.json")
+    model = firmtouch.read_model(ROOT / "models" / "planar_2r_wall.yaml")
+    found = verify(file, model, (folder / "design.json").read_bytes())
+    assert found.holds, found.differences

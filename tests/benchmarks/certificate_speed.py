@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import json
-import math
 import sys
 import tempfile
 from pathlib import Path
 
+from tests.benchmarks.chain import chain_on_wall
 from tests.benchmarks.measure import Figure, best_of, run
 
 import firmtouch
+from firmtouch.certificate.certificate import questions_of
 from firmtouch.certificate.decision import decide
 from firmtouch.certificate.question import Question
 from firmtouch.certificate.subject import subject_of
@@ -21,35 +21,9 @@ REPETITIONS = 5
 
 
 def model_text(joints: int) -> bytes:
-    """Write the model file of a chain of equal links that touches a wall with its tip, and asks for poles."""
-    names, length = [f"q{i}" for i in range(1, joints + 1)], 2.8 / joints
-    guess = [1.2, *[-1.9 / (joints - 1)] * (joints - 1)]
-    reach = length * sum(math.cos(sum(guess[: i + 1])) for i in range(joints))
-    definitions, bodies, before = {}, {}, "[0*l, 0*l]"
-    for i, name in enumerate(names, start=1):
-        definitions[f"a{i}"] = f"a{i - 1} + {name}" if i > 1 else name
-        along = f"[cos(a{i}), sin(a{i})]"
-        definitions[f"p{i}"] = f"{before} + l*{along}"
-        centre = f"{before} + 0.45*l*{along}"
-        bodies[f"link{i}"] = {"mass": "m", "inertia": "I", "centre_of_mass": centre, "orientation": f"a{i}"}
-        before = f"p{i}"
-    document = {
-        "schema": "firmtouch.model/1",
-        "title": f"A planar {joints}R arm on a wall",
-        "parameters": {"l": f"{length!r} m", "m": "2 kg", "I": "0.03 kg*m^2", "d": f"{reach!r} m"},
-        "coordinates": dict.fromkeys(names, "rad"),
-        "definitions": definitions,
-        "mechanism": {"gravity": "[0, -9.81]", "bodies": bodies},
-        "constraints": {"wall": {"expression": f"d - x({before})", "unit": "m"}},
-        "operating_point": {"guess": dict(zip(names, guess, strict=True)), "lambda_d": {"wall": 20}},
-        "design": {
-            "poles": [-(4 + 8 * i / (2 * joints - 2)) for i in range(2 * joints - 2)],
-            "force_feedback": 0.5,
-            "level": "tangent",
-            "modes": "plant",
-        },
-    }
-    return json.dumps(document).encode()
+    """Write the model file: a chain on a wall, with poles from -4 to -12."""
+    poles = [-(4 + 8 * i / (2 * joints - 2)) for i in range(2 * joints - 2)]
+    return chain_on_wall(joints, {"poles": poles, "force_feedback": 0.5, "level": "tangent", "modes": "plant"})
 
 
 def inequalities(joints: int) -> tuple[float, int]:
@@ -59,8 +33,6 @@ def inequalities(joints: int) -> tuple[float, int]:
     found: list[Question] = []
 
     def prove() -> None:
-        from firmtouch.certificate.certificate import questions_of
-
         subject = subject_of(loop.operating_point, loop.gains)
         found[:] = [each for each in questions_of(subject) if each.route.startswith(ROUTES)]
         for each in found:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Iterator
 from importlib.resources import files
+from itertools import zip_longest
 from pathlib import Path
 
 from firmtouch.report.document import (
@@ -47,8 +48,9 @@ def _document(document: Document, names: dict[Figure, str]) -> Iterator[str]:
     for section in document.sections:
         if section.title:
             yield f"= #{_string(section.title)}"
-        for block in section.blocks:
-            yield _block(block, names)
+        for block, after in zip_longest(section.blocks, section.blocks[1:]):
+            leads = isinstance(block, Paragraph) and isinstance(after, Table)  # and is not left alone on a page
+            yield f"#block(sticky: true)[{_block(block, names)}]" if leads else _block(block, names)
             yield ""
 
 

@@ -46,6 +46,8 @@ def look_around(loop: ClosedLoop) -> Finding:
             box = find_whole_box(loop)
         elif free <= MOST_DIRECTIONS:
             box = find_joint_box(loop)
+        else:
+            reasons.append(f"it is looked for with up to {MOST_DIRECTIONS} free directions")
     except NotProvenError as error:
         reasons.append(error.reason)
     return Finding(attraction, box, tuple(reasons))

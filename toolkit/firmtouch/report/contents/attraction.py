@@ -24,6 +24,8 @@ def section(design: Design) -> Section | None:
         return None
     found = around.finding
     blocks: list[Block] = []
+    if design.certificate.subject.plants.vary:
+        blocks.append(Paragraph(("All of this section is about the nominal plant.",)))
     if found.attraction is not None:
         blocks += [*_statement(found.attraction), _table(design, found.attraction, found.box)]
         limit = _LIMITS.get(found.attraction.limit)

@@ -9,6 +9,7 @@ from tests.certificate.exactly import DIGITS, eigenvalues, matrix
 from tests.synthesis.test_region_search import with_region
 
 import firmtouch
+from firmtouch.certificate.claims import cost as guaranteed
 from firmtouch.certificate.claims import errors, gains, poles, positivity
 from firmtouch.certificate.decision import Verdict
 from firmtouch.certificate.question import confirm, settle
@@ -96,7 +97,7 @@ def test_the_cost_is_that_of_the_worst_start(asked):
         "start_velocity": "0.5 rad/s",
     }
     subject = asked(decay=1, cost=cost)
-    question = next(each for each in gains.questions(subject) if each.name == "guaranteed cost")
+    (question,) = guaranteed.questions(subject)
     claim = settle(question)
     assert claim.verdict is Verdict.PROVEN
     T, worst = subject.basis, 0.0

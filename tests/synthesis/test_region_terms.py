@@ -20,12 +20,12 @@ from tests.synthesis.region_plants import (
 
 from firmtouch.regulation import Gains, close_loop, split_directions
 from firmtouch.regulation.steady_state import disturbance_matrices, offset_matrices
+from firmtouch.regulation.tangent import Tangent, energy_slack
 from firmtouch.synthesis.region.conflicts import NoGainsError, Verdict, has_gains
 from firmtouch.synthesis.region.convex import ConvexSearch, gains_of
 from firmtouch.synthesis.region.design import solve_problem
 from firmtouch.synthesis.region.force_shaping import shape_force
 from firmtouch.synthesis.region.margins import Proof, find_margins
-from firmtouch.synthesis.region.proof import Tangent, energy_slack
 from firmtouch.synthesis.region.terms.bandwidth import Bandwidth
 from firmtouch.synthesis.region.terms.damping import Damping
 from firmtouch.synthesis.region.terms.decay import Decay

@@ -6,8 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
-import numpy as np
-
 from firmtouch.certificate.edges import Edge, EdgeKind
 from firmtouch.mechanics import Array
 from firmtouch.mechanics.arrays import frozen
@@ -51,29 +49,21 @@ class Asked:
 def asked_of(spec: ModelSpec) -> Asked:
     """Read it from a model file, for the method that its design names."""
     design, region = spec.design, spec.design.region if spec.design.method == "region" else None
-    mu, D = _margin(spec, region)
+    units = units_of(spec)
+    ones = (1.0,) * spec.n
+    mu, D = (0.0, ones) if region is None else region.margin(spec.coordinates, same_unit=bool(units.stiffness))
     uncertain = region.uncertainty if region is not None else None
     return Asked(
         level=design.level,
         mu=mu,
-        D=D,
+        D=frozen(D),
         edges=_slowest(spec) if region is None else _edges(region),
         causes=_causes(spec),
         region=region,
         intervals={} if region is None else uncertain_parameters(spec),
         forces=None if uncertain is None else uncertain.lambda_d,
-        units=units_of(spec),
+        units=units,
     )
-
-
-def _margin(spec: ModelSpec, region: RegionSpec | None) -> tuple[float, Array]:
-    """Take one value for all coordinates as mu with D = I, and different ones as D with mu = 1."""
-    if region is None or region.positivity is None:
-        return 0.0, frozen(np.ones(spec.n))
-    values = frozen([region.positivity[name] for name in spec.coordinates])
-    if np.all(values == values[0]) and units_of(spec).stiffness:
-        return float(values[0]), frozen(np.ones(spec.n))
-    return 1.0, values
 
 
 def _slowest(spec: ModelSpec) -> tuple[Edge, ...]:

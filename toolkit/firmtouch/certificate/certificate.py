@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from firmtouch.certificate.claims import errors, gains, poles, positivity, surface
+from firmtouch.certificate.claims import cost, errors, gains, poles, positivity, surface
 from firmtouch.certificate.decision import Verdict
 from firmtouch.certificate.question import Claim, Question, settle
 from firmtouch.certificate.subject import Subject
@@ -31,7 +31,7 @@ class Certificate:
 
 def questions_of(subject: Subject) -> Iterator[Question]:
     """List all that is asked about a subject, in the order of a certificate."""
-    for kind in (surface, positivity, poles, errors, gains):
+    for kind in (surface, positivity, poles, errors, gains, cost):
         yield from kind.questions(subject)
 
 

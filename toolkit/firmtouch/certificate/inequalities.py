@@ -5,7 +5,6 @@ Both are affine in (M22, C22, K22): what holds at every vertex holds for all pla
 
 from __future__ import annotations
 
-import numpy as np
 from flint import arb
 
 from firmtouch.certificate.edges import Edge
@@ -21,6 +20,8 @@ from firmtouch.certificate.matrices import (
 from firmtouch.certificate.question import every
 from firmtouch.certificate.subject import Subject
 from firmtouch.certificate.witness import Multipliers
+from firmtouch.regulation import tangent
+from firmtouch.regulation.lmi_region import LmiRegion
 
 
 def energy_proves(subject: Subject, edge: Edge, epsilon: float) -> bool | None:
@@ -43,17 +44,8 @@ def energy_proves(subject: Subject, edge: Edge, epsilon: float) -> bool | None:
 
 def energy_slack(subject: Subject, edge: Edge, epsilon: float) -> float:
     """Give the least eigenvalue of all these matrices, in floats."""
-    unit, T = subject.unit, subject.basis
-    eps = epsilon / unit
-    L, R = (middle(X) for X in edge.lmi(unit))
-    C, worst = T.T @ subject.gains.C @ T / unit, np.inf
-    for M_, K_ in zip(subject.floats.M, subject.floats.K, strict=True):
-        M, K = T.T @ M_ @ T, T.T @ K_ @ T / unit**2
-        P = np.block([[K, eps * M], [eps * M, M]])
-        PA = np.block([[-eps * K, K - eps * C], [-K, eps * M - C]])
-        X = -(np.kron(L, P) + np.kron(R, PA) + np.kron(R.T, PA.T))
-        worst = min(worst, *(float(np.linalg.eigvalsh(each)[0]) for each in (P, X)))
-    return worst
+    L, R = (middle(X) for X in edge.lmi(subject.unit))
+    return tangent.energy_slack(subject.tangents, [LmiRegion(L, R)], epsilon / subject.unit)
 
 
 def finsler_proves(subject: Subject, edge: Edge, multipliers: Multipliers) -> bool | None:

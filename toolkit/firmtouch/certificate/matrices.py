@@ -40,11 +40,6 @@ def diagonal(values: Sequence[Ball | float]) -> BallMatrix:
     return arb_mat(n, n, [arb(values[i]) if i == j else arb(0) for i in range(n) for j in range(n)])
 
 
-def transposed(X: BallMatrix) -> BallMatrix:
-    """Give X^T."""
-    return X.transpose()
-
-
 def symmetrised(X: BallMatrix) -> BallMatrix:
     """Give (X + X^T) / 2: of a matrix that is symmetric, as the enclosures of its halves need not be."""
     return (X + X.transpose()) / 2

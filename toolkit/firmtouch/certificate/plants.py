@@ -36,6 +36,11 @@ class PlantBalls:
     N0: BallMatrix
 
 
+def each_once(nominal: PlantBalls, vertices: tuple[PlantBalls, ...]) -> tuple[PlantBalls, ...]:
+    """List the nominal plant and all vertices; where nothing varies it is itself the only vertex."""
+    return vertices if vertices[0] is nominal else (nominal, *vertices)
+
+
 @dataclass(frozen=True, slots=True)
 class _Axis:
     """How one parameter enters: at these nodes, and the derivative that the interpolation misses (or nothing)."""

@@ -11,12 +11,13 @@ import numpy as np
 from firmtouch.certificate.asked import Asked, asked_of
 from firmtouch.certificate.decision import PRECISIONS
 from firmtouch.certificate.matrices import BallMatrix, exact, identity, middle, symmetrised
-from firmtouch.certificate.plants import PlantBalls, Plants
+from firmtouch.certificate.plants import PlantBalls, Plants, each_once
 from firmtouch.certificate.surface import Surface, SurfacePoint
 from firmtouch.certificate.witness import Witness
 from firmtouch.mechanics import Array
 from firmtouch.mechanics.arrays import frozen
 from firmtouch.regulation import Gains, OperatingPoint, split_directions
+from firmtouch.regulation.tangent import Tangent
 
 
 @dataclass(frozen=True)
@@ -40,7 +41,7 @@ class Balls:
     @property
     def plants(self) -> tuple[PlantBalls, ...]:
         """List the nominal plant and all vertices, each once."""
-        return self.vertices if self.vertices[0] is self.nominal else (self.nominal, *self.vertices)
+        return each_once(self.nominal, self.vertices)
 
     def K(self, plant: PlantBalls) -> BallMatrix:
         """Give K = W + N0 (14)."""
@@ -102,7 +103,7 @@ class Subject:
         """Take the middle of everything."""
         with flint.ctx.workprec(PRECISIONS[1]):
             nominal, vertices = self.plants.at(self.surface.q_d.entries())
-        plants = vertices if vertices[0] is nominal else (nominal, *vertices)
+        plants = each_once(nominal, vertices)
         M = tuple(frozen(middle(each.M)) for each in plants)
         K = tuple(frozen(self.gains.W + middle(each.N0)) for each in plants)
         return Floats(M, K, split_directions(self.op.J).V2)
@@ -113,6 +114,14 @@ class Subject:
         T = self.basis
         size = float(np.linalg.norm(T.T @ (self.gains.W + self.op.N0) @ T, 2)) ** 0.5
         return float(2.0 ** np.round(np.log2(size))) if size > 0 else 1.0
+
+    @cached_property
+    def tangents(self) -> tuple[Tangent, ...]:
+        """Take all closed loops on ker J, in the coordinates of `basis`, time counted in 1/unit."""
+        T, unit, floats = self.basis, self.unit, self.floats
+        C = T.T @ self.gains.C @ T / unit
+        pairs = zip(floats.M, floats.K, strict=True)
+        return tuple(Tangent(T.T @ M @ T, C, T.T @ K @ T / unit**2) for M, K in pairs)
 
     def balls(self) -> Balls:
         """Enclose the loop at the precision of the moment.

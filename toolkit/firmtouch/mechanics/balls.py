@@ -11,7 +11,7 @@ from typing import Any, Final
 import casadi as ca
 from flint import arb
 
-from firmtouch.mechanics.tape import Arithmetic
+from firmtouch.mechanics.tape import OPERATORS, Arithmetic
 
 Ball = Any
 """A python-flint `arb`."""
@@ -53,15 +53,8 @@ def _sign(x: Ball) -> Ball:
 BALLS: Final = Arithmetic(
     arb,
     {
-        ca.OP_ASSIGN: lambda x: x,
-        ca.OP_ADD: lambda x, y: x + y,
-        ca.OP_SUB: lambda x, y: x - y,
-        ca.OP_MUL: lambda x, y: x * y,
-        ca.OP_DIV: lambda x, y: x / y,
-        ca.OP_INV: lambda x: 1 / x,
-        ca.OP_NEG: lambda x: -x,
+        **OPERATORS,
         ca.OP_SQ: _square,
-        ca.OP_TWICE: lambda x: 2 * x,
         ca.OP_POW: _power,
         ca.OP_CONSTPOW: _power,
         ca.OP_SQRT: arb.sqrt,

@@ -10,7 +10,7 @@ import numpy as np
 
 from firmtouch.errors import NoDesignError
 from firmtouch.mechanics.arrays import Array, frozen
-from firmtouch.mechanics.tape import Arithmetic, UnknownOperationError, record
+from firmtouch.mechanics.tape import OPERATORS, Arithmetic, UnknownOperationError, record
 
 
 def has_kinks(function: ca.Function) -> bool:
@@ -65,15 +65,8 @@ def _interval_operations() -> dict[int, Callable[..., Any]]:
         return iv.sqrt(1 - x**2)
 
     return {
-        ca.OP_ASSIGN: lambda x: x,
-        ca.OP_ADD: lambda x, y: x + y,
-        ca.OP_SUB: lambda x, y: x - y,
-        ca.OP_MUL: lambda x, y: x * y,
-        ca.OP_DIV: lambda x, y: x / y,
-        ca.OP_INV: lambda x: 1 / x,
-        ca.OP_NEG: lambda x: -x,
+        **OPERATORS,
         ca.OP_SQ: lambda x: x**2,
-        ca.OP_TWICE: lambda x: 2 * x,
         ca.OP_POW: power,
         ca.OP_CONSTPOW: power,
         ca.OP_SQRT: iv.sqrt,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final
 
 import casadi as ca
 
@@ -20,6 +20,19 @@ class Arithmetic:
 
     number: Callable[[float], Number]
     operations: Mapping[int, Operation]
+
+
+OPERATORS: Final[Mapping[int, Operation]] = {
+    ca.OP_ASSIGN: lambda x: x,
+    ca.OP_ADD: lambda x, y: x + y,
+    ca.OP_SUB: lambda x, y: x - y,
+    ca.OP_MUL: lambda x, y: x * y,
+    ca.OP_DIV: lambda x, y: x / y,
+    ca.OP_INV: lambda x: 1 / x,
+    ca.OP_NEG: lambda x: -x,
+    ca.OP_TWICE: lambda x: 2 * x,
+}
+"""What Python's operators do, for numbers that have them."""
 
 
 class UnknownOperationError(Exception):

@@ -56,7 +56,7 @@ class Frontier:
         return np.inf
 
     def pop(self) -> tuple[float, Cell | Wall]:
-        """Take what has the lowest entry; a cell is to be learned of, accepted, split or dropped then."""
+        """Take what has the lowest entry; a cell is to be learned of, accepted or split then."""
         entry, _, item = heapq.heappop(self._heap)
         return entry, item
 
@@ -115,11 +115,6 @@ class Frontier:
         low = self.measure(accepted, face)
         known = self._known.get(cell)
         return low if known is None else max(low, self.measure(known, face))
-
-    def drop(self, cell: Cell) -> None:
-        """Leave a cell alone: p is high on all of it."""
-        del self._entries[cell]
-        self._known.pop(cell, None)
 
     def refine(self, wall: Wall, entry: float, piece: Piece | None) -> None:
         """Put a wall back with a better bound, or as final; the piece is that of the wall alone."""

@@ -1,38 +1,22 @@
-"""The bounds that a region design sets to its gains, and its guaranteed cost."""
+"""Symmetry of the gains, and the bounds that a region design sets to them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from typing import Any, Final
+from collections.abc import Callable, Iterator
+from typing import Any
 
 import numpy as np
 from flint import arb
 from numpy.typing import NDArray
 
-from firmtouch.certificate.claims.poles import companion, companion_floats
-from firmtouch.certificate.lyapunov import solve_lyapunov
-from firmtouch.certificate.matrices import (
-    BallMatrix,
-    blocks,
-    diagonal,
-    exact,
-    is_positive_definite,
-    middle,
-    norm_is_within,
-    symmetrised,
-)
-from firmtouch.certificate.question import Question, Scope, every
+from firmtouch.certificate.matrices import exact, norm_is_within
+from firmtouch.certificate.question import Question, Scope
 from firmtouch.certificate.subject import Subject
 from firmtouch.mechanics import Array
-from firmtouch.modelfile.sections.region import CostSpec, TorqueLimit
+from firmtouch.modelfile.sections.region import TorqueLimit
 from firmtouch.modelfile.vector_units import joint_units
 
 Holds = Callable[[float], bool | None]
-
-FREE: Final = 1e9
-"""What is acceptable of a velocity that costs nothing, in SI."""
-ROOM: Final = 1e-9
-"""By which part the Lyapunov equation of the cost is overdone, so that its inequality is strict."""
 
 
 def questions(subject: Subject) -> Iterator[Question]:
@@ -54,8 +38,6 @@ def questions(subject: Subject) -> Iterator[Question]:
     for label, limit in region.torque.items():
         for i in range(subject.op.n):
             yield _torque(subject, label, limit, i)
-    if region.cost is not None:
-        yield _cost(subject, region.cost)
 
 
 def _symmetry(subject: Subject) -> Question:
@@ -129,75 +111,4 @@ def _torque(subject: Subject, label: str, limit: TorqueLimit, i: int) -> Questio
         figure=float(total().mid()),
         holds=holds,
         route="sum",
-    )
-
-
-def _cost(subject: Subject, cost: CostSpec) -> Question:
-    """Bound the cost by the largest V = x^T P x of a start, where A^T P + P A < -(Q + U^T U)."""
-    spec = subject.op.plant.spec
-
-    def diagonal_of(values: Mapping[str, float] | None) -> Array:
-        return np.array([(values or {}).get(name, FREE) for name in spec.coordinates])
-
-    position, velocity, torque = (diagonal_of(each) for each in (cost.position, cost.velocity, cost.torque))
-    start = (diagonal_of(cost.start_position), diagonal_of(cost.start_velocity))
-    unit = subject.unit
-
-    def weights(X: BallMatrix, square: Callable[[Array], BallMatrix]) -> tuple[BallMatrix, BallMatrix, BallMatrix]:
-        """Give Q and the inverse shape of the ellipsoid for x = (x2, dx2/d(unit t)), and U."""
-        u2 = arb(unit) ** 2
-
-        def both(a: Array, b: Array) -> BallMatrix:
-            first, second = X.transpose() * square(a) * X, X.transpose() * square(b) * X * u2
-            zero = first * 0
-            return symmetrised(blocks([[first, zero], [zero, second]]))
-
-        R = diagonal([1 / arb(each) for each in torque.tolist()])
-        U = blocks([[R * exact(subject.gains.W) * X, R * exact(subject.gains.C) * X * arb(unit)]])
-        return both(position, velocity), both(*start), U
-
-    def inverse_squares(values: Array) -> BallMatrix:
-        return diagonal([1 / arb(each) ** 2 for each in values.tolist()])
-
-    def at(i: int) -> tuple[BallMatrix, BallMatrix, Array | None, BallMatrix]:
-        balls = subject.balls()
-        Q, E, U = weights(balls.X, inverse_squares)
-        rate = symmetrised(Q + U.transpose() * U) / arb(unit)  # time counts in 1/unit
-        floats = middle(rate)
-        overdone = floats + ROOM * float(np.linalg.norm(floats, 2)) * np.eye(len(floats))
-        return rate, E, solve_lyapunov(companion_floats(subject, i), overdone), companion(subject, balls, i)
-
-    def holds(value: float) -> bool | None:
-        answers = []
-        for i in range(len(subject.floats.M)):
-            rate, E, P_, A = at(i)
-            if P_ is None:
-                return None
-            P = symmetrised(exact(P_))
-            falls = -(A.transpose() * P + P * A) - rate
-            answers += [is_positive_definite(symmetrised(falls)), is_positive_definite(E * arb(value) - P)]
-        return every(answers)
-
-    def estimate() -> float:
-        worst = 0.0
-        for i in range(len(subject.floats.M)):
-            _, E, P, _ = at(i)
-            if P is None:
-                return np.inf
-            L = np.linalg.cholesky(middle(E))
-            half = np.linalg.solve(L, np.linalg.solve(L, P).T)
-            worst = max(worst, float(np.linalg.norm((half + half.T) / 2, 2)))
-        return worst
-
-    return Question(
-        "guaranteed cost",
-        "The quadratic cost of every start in the ellipsoid, in the linearised loop",
-        Scope.VERTICES,
-        "<",
-        cost.at_most,
-        "s",
-        "Lyapunov",
-        estimate,
-        holds,
-        sufficient=True,
     )

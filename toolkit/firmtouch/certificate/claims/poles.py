@@ -1,4 +1,4 @@
-"""Every pole inside the edges of the region, or at least in the left half plane: by two routes that share nothing.
+"""Every pole inside the edges of the region, or left of what was assigned: by two routes that share nothing.
 
 By matrix inequalities: [T4] with one eps for all plants, or Finsler's multipliers where a search had to go further, or,
 for a single plant, any Lyapunov matrix. And by Routh's scheme on the characteristic polynomials of all vertices.
@@ -18,10 +18,12 @@ from firmtouch.certificate.lyapunov import lyapunov_matrix, proves
 from firmtouch.certificate.matrices import BallMatrix, blocks, identity
 from firmtouch.certificate.question import Question, Scope, every
 from firmtouch.certificate.subject import Balls, Subject
-from firmtouch.mechanics import Array
 
 HALVINGS: Final = 40
 STABLE: Final = Edge(EdgeKind.DECAY, 0.0)
+
+Route = tuple[str, Callable[[float], bool | None], Callable[[], float]]
+"""A route's name, what it proves of a value, and what floats say that it reaches."""
 
 
 def questions(subject: Subject) -> Iterator[Question]:
@@ -68,7 +70,7 @@ def _by_inequality(subject: Subject, edge: Edge) -> Question:
     route, holds, estimate = _energy(subject, kind)
     if kind.words in witness.multipliers:
         route, holds, estimate = _multipliers(subject, kind, edge.value)
-    elif single and (witness.epsilon is None or estimate_misses(estimate, edge)):
+    elif single and (witness.epsilon is None or _misses(estimate, edge)):
         route, holds, estimate = _lyapunov(subject, kind)
     return Question(
         f"{kind.words}, LMI",
@@ -84,10 +86,7 @@ def _by_inequality(subject: Subject, edge: Edge) -> Question:
     )
 
 
-Route = tuple[str, Callable[[float], bool | None], Callable[[], float]]
-
-
-def estimate_misses(estimate: Callable[[], float], edge: Edge) -> bool:
+def _misses(estimate: Callable[[], float], edge: Edge) -> bool:
     """Tell whether floats see that an inequality does not reach an edge."""
     best = estimate()
     return not (best > edge.value if edge.kind.relation == ">=" else best < edge.value)
@@ -122,7 +121,7 @@ def _lyapunov(subject: Subject, kind: EdgeKind) -> Route:
     def holds(value: float) -> bool | None:
         balls = subject.balls()
         moved = _scaled(Edge(kind, value), subject.unit)
-        P = lyapunov_matrix(companion_floats(subject, 0), moved)
+        P = lyapunov_matrix(subject.tangents[0].companion(), moved)
         return None if P is None else proves(P, companion(subject, balls, 0), moved)
 
     return "Lyapunov", holds, lambda: _reached(subject, kind)
@@ -152,18 +151,10 @@ def _reached(subject: Subject, kind: EdgeKind) -> float:
     """See what the poles reach, in floats."""
     values = [
         kind.of_pole(complex(s) * subject.unit)
-        for i in range(len(subject.floats.M))
-        for s in np.linalg.eigvals(companion_floats(subject, i))
+        for each in subject.tangents
+        for s in np.linalg.eigvals(each.companion())
     ]
     return float(min(values) if kind.relation == ">=" else max(values))
-
-
-def companion_floats(subject: Subject, i: int) -> Array:
-    """Give the same matrix in floats."""
-    T, unit = subject.basis, subject.unit
-    M, C, K = (T.T @ X @ T for X in (subject.floats.M[i], subject.gains.C / unit, subject.floats.K[i] / unit**2))
-    t = len(M)
-    return np.block([[np.zeros((t, t)), np.eye(t)], [-np.linalg.solve(M, np.hstack([K, C]))]])
 
 
 def companion(subject: Subject, balls: Balls, i: int) -> BallMatrix:

@@ -56,7 +56,7 @@ def _least(
 def _stiffness(subject: Subject, level: str) -> Question:
     """Ask for K >= mu D; at mu = 0 for K > 0."""
     asked, floats = subject.asked, subject.floats
-    mixed = bool(np.ptp(asked.D))
+    mixed = bool(np.any(asked.D != 1))
 
     def holds(value: float) -> bool | None:
         balls = subject.balls()

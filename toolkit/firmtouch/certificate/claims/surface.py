@@ -14,24 +14,23 @@ from firmtouch.certificate.subject import Subject
 
 ROUNDED: Final = 1e-9
 """What the feedforward may miss of forces of size one."""
+EPSILON: Final = float(np.finfo(float).eps)
+TINY: Final = 1e-300
+"""Bounds a distance that is exactly zero."""
 
 
 def questions(subject: Subject) -> Iterator[Question]:
     """Ask for the point, the constant force, the force loop, the rank of J, and M > 0."""
-    op, balls = subject.op, subject.balls
+    yield _point(subject)
+    yield _feedforward(subject)
+    yield _force_loop(subject)
+    yield _rank(subject)
+    yield _inertia(subject)
 
-    def near(value: float) -> bool | None:
-        return True if balls().point.distance < arb(value) else None
 
-    def full_rank(value: float) -> bool | None:
-        J = balls().J
-        return is_positive_definite(J * J.transpose() - identity(op.m) * arb(value) ** 2)
-
-    def inertia(value: float) -> bool | None:
-        shift = identity(op.n) * arb(value)
-        return every(is_positive_definite(plant.M - shift) for plant in balls().plants)
-
-    yield Question(
+def _point(subject: Subject) -> Question:
+    size = float(np.max(np.abs(subject.op.q_d)))
+    return Question(
         "surface",
         "A point of the surface, and only one square to it, lies so near to q_d (largest entry)",
         Scope.NOMINAL,
@@ -39,22 +38,21 @@ def questions(subject: Subject) -> Iterator[Question]:
         None,
         subject.asked.units.coordinate,
         "Krawczyk",
-        lambda: max(2 * float(np.finfo(float).eps) * float(np.max(np.abs(op.q_d))), 1e-300),
-        near,
+        lambda: max(2 * EPSILON * size, TINY),
+        lambda value: True if subject.balls().point.distance < arb(value) else None,
     )
-    scale = max(1.0, float(np.max(np.abs(op.g))), float(np.max(np.abs(op.f_d))))
 
-    def feedforward(value: float) -> bool | None:
-        b = balls()
-        missed = exact(subject.gains.bias) - (subject.plants.gradient(b.point.q) - b.J.transpose() * b.lambda_d)
-        size = largest_size(missed.entries())
-        return True if size < arb(value) else None
 
-    def force_loop(value: float) -> bool | None:
-        G_f = balls().G_f
-        return is_positive_definite(identity(op.m) * (1 - arb(value)) + G_f)
+def _feedforward(subject: Subject) -> Question:
+    scale = max(1.0, float(np.max(np.abs(subject.op.g))), float(np.max(np.abs(subject.op.f_d))))
 
-    yield Question(
+    def holds(value: float) -> bool | None:
+        balls = subject.balls()
+        exactly = subject.plants.gradient(balls.point.q) - balls.J.transpose() * balls.lambda_d
+        missed = largest_size((exact(subject.gains.bias) - exactly).entries())
+        return True if missed < arb(value) else None
+
+    return Question(
         "feedforward",
         "The constant force is g - J^T lambda_d but for rounding (largest entry)",
         Scope.NOMINAL,
@@ -62,10 +60,14 @@ def questions(subject: Subject) -> Iterator[Question]:
         ROUNDED * scale,
         subject.asked.units.joint_force,
         "enclosure",
-        lambda: 4 * float(np.finfo(float).eps) * scale,
-        feedforward,
+        lambda: 4 * EPSILON * scale,
+        holds,
     )
-    yield Question(
+
+
+def _force_loop(subject: Subject) -> Question:
+    m = subject.op.m
+    return Question(
         "force loop",
         "I + G_f > 0, so that the multipliers follow from the motion: its least eigenvalue",
         Scope.NOMINAL,
@@ -74,9 +76,16 @@ def questions(subject: Subject) -> Iterator[Question]:
         "",
         "LDL^T",
         lambda: 1 + float(np.linalg.eigvalsh(subject.gains.G_f)[0]),
-        force_loop,
+        lambda value: is_positive_definite(identity(m) * (1 - arb(value)) + subject.balls().G_f),
     )
-    yield Question(
+
+
+def _rank(subject: Subject) -> Question:
+    def holds(value: float) -> bool | None:
+        J = subject.balls().J
+        return is_positive_definite(J * J.transpose() - identity(subject.op.m) * arb(value) ** 2)
+
+    return Question(
         "rank",
         "J has full row rank: its least singular value",
         Scope.NOMINAL,
@@ -84,10 +93,17 @@ def questions(subject: Subject) -> Iterator[Question]:
         0.0,
         "",
         "LDL^T",
-        lambda: float(np.linalg.svd(op.J, compute_uv=False)[-1]),
-        full_rank,
+        lambda: float(np.linalg.svd(subject.op.J, compute_uv=False)[-1]),
+        holds,
     )
-    yield Question(
+
+
+def _inertia(subject: Subject) -> Question:
+    def holds(value: float) -> bool | None:
+        shift = identity(subject.op.n) * arb(value)
+        return every(is_positive_definite(plant.M - shift) for plant in subject.balls().plants)
+
+    return Question(
         "inertia",
         "M > 0: its least eigenvalue",
         Scope.POLYTOPE,
@@ -96,5 +112,5 @@ def questions(subject: Subject) -> Iterator[Question]:
         "",
         "LDL^T",
         lambda: min(float(np.linalg.eigvalsh(X)[0]) for X in subject.floats.M),
-        inertia,
+        holds,
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from typing import Annotated, Any, Final
 
 from pydantic import Field, ValidationInfo, model_validator
@@ -25,6 +26,8 @@ from firmtouch.modelfile.sections.structure import AnyStructure
 from firmtouch.modelfile.words import listed, shown
 
 FASTEST: Final = 1e6
+NO_WEIGHT: Final = 1e9
+"""What is acceptable of a velocity that costs nothing, in SI."""
 OBJECTIVES: Final = ("gains", "margin", "cost", "force_error")
 _HERTZ: Final = re.compile(r"hz|hertz", re.IGNORECASE)
 
@@ -241,6 +244,15 @@ class RegionSpec(Section):
     uncertainty: UncertaintySpec | None = Field(
         None, description="what varies; without this key, the parameters that have an `interval`"
     )
+
+    def margin(self, coordinates: Iterable[str], *, same_unit: bool) -> tuple[float, tuple[float, ...]]:
+        """Read `positivity` as mu and the diagonal of D, K >= mu D: one value as mu with D = I, several as D."""
+        values = [1.0 if self.positivity is None else self.positivity[name] for name in coordinates]
+        if self.positivity is None:
+            return 0.0, tuple(values)
+        if same_unit and len(set(values)) == 1:
+            return values[0], (1.0,) * len(values)
+        return 1.0, tuple(values)
 
     @model_validator(mode="after")
     def _the_loop_is_asked_something(self) -> RegionSpec:

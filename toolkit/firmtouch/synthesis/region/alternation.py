@@ -22,8 +22,8 @@ import numpy as np
 
 from firmtouch.mechanics import Array
 from firmtouch.mechanics.arrays import frozen, symmetric
-from firmtouch.synthesis.region.lmi_region import LmiRegion
-from firmtouch.synthesis.region.proof import Tangent
+from firmtouch.regulation.lmi_region import LmiRegion
+from firmtouch.regulation.tangent import Tangent
 
 ROUNDS: Final = 20
 WIDEST: Final = 30.0

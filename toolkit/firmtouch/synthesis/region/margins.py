@@ -11,11 +11,12 @@ import numpy as np
 from firmtouch.errors import InputError, NoDesignError
 from firmtouch.mechanics import Array
 from firmtouch.regulation import ClosedLoop, Gains, split_directions
+from firmtouch.regulation.lmi_region import LmiRegion
+from firmtouch.regulation.tangent import Tangent
 from firmtouch.regulation.uncertainty import uncertainty_polytope, vertex_point
 from firmtouch.synthesis.region.alternation import general_proof
-from firmtouch.synthesis.region.lmi_region import LmiRegion
 from firmtouch.synthesis.region.problem import RegionProblem
-from firmtouch.synthesis.region.proof import Tangent, best_energy_slack
+from firmtouch.synthesis.region.proof import best_energy_slack
 from firmtouch.synthesis.region.terms.positivity import Positivity
 from firmtouch.synthesis.region.terms.term import RegionTerm
 

@@ -16,10 +16,10 @@ from firmtouch.modelfile import ModelSpec
 from firmtouch.modelfile.sections.structure import Structure
 from firmtouch.modelfile.vector_units import Units, units_of
 from firmtouch.regulation import Gains, OperatingPoint, Split, split_directions
+from firmtouch.regulation.tangent import Tangent
 from firmtouch.regulation.uncertainty import Polytope, uncertain_parameters, uncertainty_polytope, vertex_point
 from firmtouch.synthesis.region.audit import Audit, audit
 from firmtouch.synthesis.region.coordinates import Scaling, scale
-from firmtouch.synthesis.region.proof import Tangent
 from firmtouch.synthesis.region.search import Range
 from firmtouch.synthesis.region.specification import terms_of
 from firmtouch.synthesis.region.terms.bandwidth import Bandwidth

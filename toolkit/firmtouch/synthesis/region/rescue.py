@@ -12,6 +12,7 @@ import numpy as np
 from firmtouch.mechanics.arrays import symmetric
 from firmtouch.modelfile.sections.design import NormalBlocks
 from firmtouch.regulation import Gains, split_directions
+from firmtouch.regulation.lmi_region import LmiRegion
 from firmtouch.synthesis.normal_blocks import damping_blocks, stiffness_blocks
 from firmtouch.synthesis.region.alternation import (
     ROUNDS,
@@ -24,7 +25,6 @@ from firmtouch.synthesis.region.convex import ConvexSearch, gains_of
 from firmtouch.synthesis.region.descent import descend
 from firmtouch.synthesis.region.elastic import SMALL_GAINS, Elastic, size_of
 from firmtouch.synthesis.region.evidence import find_evidence
-from firmtouch.synthesis.region.lmi_region import LmiRegion
 from firmtouch.synthesis.region.problem import RegionProblem
 from firmtouch.synthesis.region.terms.term import RegionTerm
 

@@ -9,7 +9,7 @@ import numpy as np
 from firmtouch.mechanics import Array
 from firmtouch.mechanics.arrays import frozen
 from firmtouch.modelfile import ModelSpec
-from firmtouch.modelfile.sections.region import GainBound, RegionSpec
+from firmtouch.modelfile.sections.region import NO_WEIGHT, GainBound, RegionSpec
 from firmtouch.modelfile.sections.region import TorqueLimit as TorqueSpec
 from firmtouch.modelfile.vector_units import joint_units, units_of
 from firmtouch.synthesis.region.terms.bandwidth import Bandwidth
@@ -22,9 +22,6 @@ from firmtouch.synthesis.region.terms.normal_blocks import MixedBlocks
 from firmtouch.synthesis.region.terms.positivity import Positivity
 from firmtouch.synthesis.region.terms.tangent_stiffness import PositionError
 from firmtouch.synthesis.region.terms.term import Term
-
-NO_WEIGHT = 1e9
-"""What is acceptable of a velocity that costs nothing, in SI."""
 
 
 def terms_of(spec: ModelSpec) -> tuple[Term, ...]:
@@ -51,14 +48,10 @@ def _pole_region(region: RegionSpec) -> Iterator[Term]:
 
 
 def _positivity(spec: ModelSpec, region: RegionSpec) -> Term:
-    """Take one value for all coordinates as mu with D = I, and different ones as D with mu = 1."""
     unit = units_of(spec).stiffness
-    if region.positivity is None:
-        return Positivity(asked=0.0, unit=unit, level=spec.design.level, D=frozen(np.ones(spec.n)))
-    values = _by_coordinate(region.positivity, spec)
-    if len(set(values.tolist())) == 1 and unit:
-        return Positivity(asked=float(values[0]), unit=unit, level=spec.design.level, D=frozen(np.ones(spec.n)))
-    return Positivity(asked=1.0, unit="of D", level=spec.design.level, D=values)
+    mu, D = region.margin(spec.coordinates, same_unit=bool(unit))
+    mixed = len(set(D)) > 1 or (mu > 0 and not unit)
+    return Positivity(asked=mu, unit="of D" if mixed else unit, level=spec.design.level, D=frozen(D))
 
 
 def _gain_bounds(spec: ModelSpec, region: RegionSpec) -> Iterator[Term]:

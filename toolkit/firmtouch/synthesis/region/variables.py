@@ -12,8 +12,8 @@ import scipy.sparse
 from firmtouch.mechanics import Array
 from firmtouch.mechanics.arrays import frozen, symmetric
 from firmtouch.regulation import OperatingPoint, split_directions
+from firmtouch.regulation.lmi_region import LmiRegion
 from firmtouch.synthesis.region.coordinates import Scaling
-from firmtouch.synthesis.region.lmi_region import LmiRegion
 
 STRICT: Final = 1e-6
 """What a strict inequality asks for, in scaled coordinates: far above the solver's accuracy, far below any margin."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from firmtouch.regulation import ClosedLoop
-from firmtouch.synthesis.region.lmi_region import LmiRegion
+from firmtouch.regulation.lmi_region import LmiRegion
 from firmtouch.synthesis.region.terms.term import RegionTerm
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Self
 
 from firmtouch.regulation import ClosedLoop
-from firmtouch.synthesis.region.lmi_region import LmiRegion
+from firmtouch.regulation.lmi_region import LmiRegion
 from firmtouch.synthesis.region.variables import Constraints, Variables
 
 

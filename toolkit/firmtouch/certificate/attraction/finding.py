@@ -5,14 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
-from firmtouch.certificate.attraction.attraction import MOST_CELLS, Attraction, NotProvenError, find_attraction
+from firmtouch.certificate.attraction.attraction import Attraction, NotProvenError, find_attraction
 from firmtouch.certificate.attraction.joint_box import JointBox, find_joint_box
 from firmtouch.certificate.attraction.whole_box import MOST_JOINTS, WholeBox, find_whole_box
 from firmtouch.regulation import ClosedLoop
 
-FEW_CELLS: Final = 300
-FEW_DIRECTIONS: Final = 2
-"""With more free directions each cell takes longer."""
 MOST_DIRECTIONS: Final = 3
 """A box of joint coordinates is looked for with up to so many free directions."""
 MOST_COORDINATES: Final = 6
@@ -38,7 +35,7 @@ def look_around(loop: ClosedLoop) -> Finding:
     op = loop.operating_point
     free = op.n - op.m
     try:
-        attraction = find_attraction(loop, most_cells=FEW_CELLS if free > FEW_DIRECTIONS else MOST_CELLS)
+        attraction = find_attraction(loop)
     except NotProvenError as error:
         reasons.append(error.reason)
     try:

@@ -54,7 +54,7 @@ samples: .venv/package
 LOCK := uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-header --no-annotate --group build
 lock:
 	$(LOCK) pyproject.toml --output-file requirements.lock
-	$(LOCK) --extra test --constraint requirements.lock pyproject.toml --output-file requirements-test.lock
+	$(LOCK) --extra test --extra oracle --constraint requirements.lock pyproject.toml --output-file requirements-test.lock
 
 clean:
 	rm -rf .venv build dist .mypy_cache .pytest_cache .ruff_cache .hypothesis

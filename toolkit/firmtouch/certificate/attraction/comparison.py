@@ -74,8 +74,7 @@ def compare_attraction(loop: ClosedLoop, attraction: Attraction) -> Comparison:
     starts = grid[on_surface]
     q = np.array([each for each in lifted if each is not None])
     if chart.free == 1:
-        x2 = np.linspace(-window[0], window[0], CURVE)
-        line = np.array([(x, _p(loop, chart, np.array([x]))) for x in x2])
+        line = _curve(loop, chart, float(window[0]))
         proven = (starts[:, 0] > border[:, 0].min()) & (starts[:, 0] < border[:, 0].max())
     else:
         line, proven = border, _inside(border, starts)
@@ -110,10 +109,16 @@ def _newton(plant: Plant, chart: Chart, x1: Array, x2: Array) -> tuple[Array, Ar
     return None
 
 
-def _p(loop: ClosedLoop, chart: Chart, x2: Array) -> float:
-    """Give P_cd above x2, or no number where the surface is not found there."""
-    q = _lift(loop.operating_point.plant, chart, x2)
-    return np.nan if q is None else _energy(loop, q) - _energy(loop, chart.q_d)
+def _curve(loop: ClosedLoop, chart: Chart, window: float) -> Array:
+    """Give (x2, P_cd above it) along the only free direction, walking outwards; no number behind the surface's end."""
+    plant, ground = loop.operating_point.plant, _energy(loop, chart.q_d)
+    found = {0.0: 0.0}
+    for end in (-window, window):
+        there: tuple[Array, Array] | None = (np.zeros(chart.V1.shape[1]), chart.q_d)
+        for x2 in np.linspace(0, end, CURVE // 2 + 1)[1:]:
+            there = there and _newton(plant, chart, there[0], np.array([x2]))
+            found[float(x2)] = np.nan if there is None else _energy(loop, there[1]) - ground
+    return np.array(sorted(found.items()))
 
 
 def _energy(loop: ClosedLoop, q: Array) -> float:

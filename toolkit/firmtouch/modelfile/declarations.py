@@ -97,6 +97,15 @@ class Declarations:
         """The kinds of the multipliers: energy by constraint."""
         return {name: Kind(JOULE / kind.dimension, known=kind.known) for name, kind in self.constraints.items()}
 
+    @property
+    def contact_stiffnesses(self) -> dict[str, Kind]:
+        """The kinds of the contacts' stiffnesses: multiplier by constraint."""
+        forces = self.multipliers
+        return {
+            name: Kind(forces[name].dimension / kind.dimension, known=kind.known)
+            for name, kind in self.constraints.items()
+        }
+
     def check(self, tree: Node, *, velocities: bool = False) -> tuple[Kind, Extent]:
         """Find an expression's kind and its extent, and refuse one that grows beyond bounds."""
         kind = kind_of(tree, names=self.names, rates=self.rates if velocities else {}, hidden=self.hidden)

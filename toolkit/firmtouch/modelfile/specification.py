@@ -26,6 +26,7 @@ from firmtouch.modelfile.sections.bounds import Bounds
 from firmtouch.modelfile.sections.constraint import Constraint
 from firmtouch.modelfile.sections.design import DesignSpec
 from firmtouch.modelfile.sections.drawing import Drawing
+from firmtouch.modelfile.sections.force_path import ForcePathSpec
 from firmtouch.modelfile.sections.mechanism import Mechanism
 from firmtouch.modelfile.sections.operating_point import OperatingPointSpec
 from firmtouch.modelfile.sections.region import RegionSpec, UncertaintySpec
@@ -73,6 +74,9 @@ class ModelSpec(Section):
     constraints: dict[Label, Constraint] = Field(min_length=1, description="the constraints Phi(q) = 0, in order")
     operating_point: OperatingPointSpec
     design: DesignSpec
+    force_path: ForcePathSpec | None = Field(
+        None, description="the force sensor, delays and sampling, which bound the force feedback"
+    )
     bounds: Bounds = Bounds()
     drawing: Drawing | None = None
 
@@ -91,6 +95,31 @@ class ModelSpec(Section):
         if problems:
             refuse(*problems)
         return self
+
+    @model_validator(mode="after")
+    def _the_force_feedback_can_be_chosen(self) -> ModelSpec:
+        if self.design.force_feedback == "auto":
+            reason = self._no_choice()
+            if reason is not None:
+                refuse(Problem(reason, path=("design", "force_feedback")))
+        return self
+
+    def _no_choice(self) -> str | None:
+        """Say why no G_f is the largest one with the margins, if that is so."""
+        path = self.force_path
+        if path is None:
+            return "`auto` needs `force_path`: without one, every G_f is stable and none is the largest"
+        asked = path.margins
+        if not path.bounded and (asked is None or asked.delay is None):
+            return (
+                "a low-pass alone bounds no G_f: give `force_path` a `delay` or a `sample`, or ask for a delay margin, "
+                "or write a number"
+            )
+        if path.bandwidth is None and asked is not None and asked.gain is None and asked.modulus is None:
+            return (
+                "without a low-pass every stable G_f bears any further delay: ask for a `gain` or `modulus` margin too"
+            )
+        return None
 
     def _missing_bounds(self, region: RegionSpec) -> Iterator[Problem]:
         """Find the limits of steady-state errors whose causes are not bounded."""

@@ -104,6 +104,7 @@ JOINT_FORCES: Final = PerName("coordinate", lambda known: known.joint_forces)
 STIFFNESSES: Final = PerName("coordinate", lambda known: known.stiffnesses)
 DAMPINGS: Final = PerName("coordinate", lambda known: known.dampings)
 MULTIPLIERS: Final = PerName("constraint", lambda known: known.multipliers)
+CONTACT_STIFFNESSES: Final = PerName("constraint", lambda known: known.contact_stiffnesses)
 
 
 def _mixed(kinds: Mapping[str, Kind]) -> bool:

@@ -95,7 +95,8 @@ class DesignSpec(Section):
     )
     region: RegionSpec | None = Field(None, description="conditions on the loop; for `method: region`")
     force_feedback: ForceFeedback = Field(
-        description="G_f: one number, one for each constraint, or a symmetric positive semidefinite matrix"
+        description="G_f: one number, one for each constraint, or a symmetric positive semidefinite matrix; "
+        "auto: the largest g I with the margins of `force_path`"
     )
     normal_blocks: NormalBlocks = NormalBlocks()
     level: Literal["full", "tangent"] = Field(
@@ -119,6 +120,8 @@ class DesignSpec(Section):
 
     @model_validator(mode="after")
     def _force_feedback_within_its_limit(self, info: ValidationInfo) -> DesignSpec:
+        if self.force_feedback == "auto":  # it is chosen within the limit
+            return self
         limits = (self.region and self.region.force_feedback_limit) or ()
         problems = [
             Problem(

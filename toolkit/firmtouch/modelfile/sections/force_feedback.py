@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, Final
+from typing import Annotated, Any, Final, Literal
 
 from pydantic import ValidationInfo
 
@@ -13,8 +13,14 @@ from firmtouch.modelfile.fields import Checked, declared, refuse
 STRONGEST: Final = 1e6
 
 
-def _force_feedback(raw: object, info: ValidationInfo) -> tuple[tuple[float, ...], ...]:
+AUTO: Final = "auto"
+"""G_f is to be chosen: as large as the margins of `force_path` allow."""
+
+
+def _force_feedback(raw: object, info: ValidationInfo) -> tuple[tuple[float, ...], ...] | Literal["auto"]:
     m = len(declared(info).constraints)
+    if raw == AUTO:
+        return "auto"
     if not isinstance(raw, list) or len(raw) != m or not any(isinstance(row, list) for row in raw):
         return _diagonal(_gains(raw, m))
     matrix = tuple(_row(row, i, m) for i, row in enumerate(raw))
@@ -61,6 +67,7 @@ def _gain(raw: object, *path: int, least: float = 0.0) -> float:
 _NUMBERS: Final[dict[str, Any]] = {"type": "array", "items": {"type": "number"}}
 _ROWS: Final[dict[str, Any]] = {"type": "array", "items": {"anyOf": [{"type": "number"}, _NUMBERS]}}
 ForceFeedback = Annotated[
-    tuple[tuple[float, ...], ...], Checked(_force_feedback, {"anyOf": [{"type": "number"}, _ROWS]})
+    tuple[tuple[float, ...], ...] | Literal["auto"],
+    Checked(_force_feedback, {"anyOf": [{"type": "number"}, _ROWS, {"const": AUTO}]}),
 ]
 ForceFeedbackLimit = Annotated[tuple[float, ...], Checked(_limit, {"anyOf": [{"type": "number"}, _NUMBERS]})]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, Protocol
 
 import numpy as np
 
@@ -52,6 +52,16 @@ class OperatingPoint:
     def m(self) -> int:
         """The number of constraints."""
         return self.plant.m
+
+
+class Surface(Protocol):
+    """Constraints as functions of q: a plant's own, or what they truly are."""
+
+    def Phi(self, q: Array, /) -> Array:
+        """Give the constraint functions, m."""
+
+    def J(self, q: Array, /) -> Array:
+        """Give their gradients, m x n."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,7 +165,7 @@ def locate(plant: Plant) -> Projection:
     return project(plant, start)
 
 
-def project(plant: Plant, start: Array) -> Projection:
+def project(surface: Surface, start: Array) -> Projection:
     """Project a configuration onto Phi(q) = 0 by Newton's method with the step of least norm.
 
     Raises
@@ -166,7 +176,7 @@ def project(plant: Plant, start: Array) -> Projection:
     q = np.array(start)
     best, best_residual = q, np.inf
     for _ in range(MOST_STEPS):
-        Phi = plant.Phi(q)
+        Phi = surface.Phi(q)
         residual = float(np.max(np.abs(Phi)))
         if not np.isfinite(residual):
             break
@@ -174,7 +184,7 @@ def project(plant: Plant, start: Array) -> Projection:
             best, best_residual = q, residual
         elif best_residual <= ON_SURFACE:
             break
-        J = plant.J(q)
+        J = surface.J(q)
         if not np.all(np.isfinite(J)):
             break
         step = np.linalg.lstsq(J, -Phi, rcond=RANK)[0]

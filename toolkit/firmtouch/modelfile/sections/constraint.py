@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from pydantic import Field, ValidationInfo, model_validator
+from pydantic import Field, StrictBool, ValidationInfo, model_validator
 
 from firmtouch.modelfile.expression import Problem
 from firmtouch.modelfile.fields import Expression, Text, UnitText, declared, expression_in, refuse
@@ -19,6 +19,9 @@ class Constraint(Section):
     expression: Annotated[Expression, expression_in(None)] = Field(description="phi_j, of the configuration alone")
     unit: UnitText = Field(description="the unit of phi_j: in `m`, lambda_j is a force in newtons")
     label: Text | None = Field(None, description="what it is, in words")
+    one_sided: StrictBool = Field(
+        False, description="true: the contact can only push, as a wall does; lambda must keep the sign of lambda_d"
+    )
 
     @model_validator(mode="after")
     def _unit_is_that_of_phi(self, info: ValidationInfo) -> Constraint:

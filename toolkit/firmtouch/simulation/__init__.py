@@ -1,0 +1,1 @@
+"""Plant + gains -> trajectory: the nonlinear closed loop under the paper's controllers."""

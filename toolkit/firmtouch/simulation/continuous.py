@@ -1,0 +1,118 @@
+"""A run under a controller that acts at every instant: CVODES, in stretches between the disturbances' changes."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final
+
+import casadi as ca
+import numpy as np
+
+from firmtouch.mechanics import Array
+from firmtouch.simulation.dae import Dae, parameters_of
+from firmtouch.simulation.samples import Samples, joined, observed
+from firmtouch.simulation.world import World
+
+POINTS: Final = 400
+"""Instants that are kept of each stretch."""
+SHORTEST: Final = 1e-3
+"""A stretch that cannot be integrated is halved down to this part of it, to find out when it fails."""
+MOST_STEPS: Final = 100_000
+
+
+@dataclass(frozen=True, slots=True)
+class Integrator:
+    """CVODES over a stretch, from its beginning to `points` of it (parts of the stretch, ascending, up to 1)."""
+
+    points: Array
+    function: ca.Function
+
+    def __call__(self, x: Array, t: float, length: float, parameters: Array) -> Array | None:
+        """Give the states at the points (states x points), or None where it fails."""
+        try:
+            found = self.function(x0=x, p=np.concatenate([parameters, [t, length]]))["xf"].full()
+        except RuntimeError:
+            return None
+        return found if np.all(np.isfinite(found)) else None
+
+
+def build_integrator(dae: Dae, tolerance: float, points: Array) -> Integrator:
+    """Set up the variable-order backward differences of CVODES with exact Jacobians; time counts in parts of a stretch.
+
+    `tolerance` is the relative and the absolute one (in rad, m, and these per second).
+    """
+    s, x = ca.SX.sym("s"), ca.SX.sym("x", dae.states)
+    column, span = ca.SX.sym("parameters", dae.layout.size), ca.SX.sym("span", 2)
+    rate = span[1] * dae.rate(span[0] + span[1] * s, x, column)
+    equations = {"t": s, "x": x, "p": ca.vertcat(column, span), "ode": rate}
+    options = {
+        "abstol": tolerance,
+        "reltol": tolerance,
+        "max_num_steps": MOST_STEPS,
+        "disable_internal_warnings": True,
+        "show_eval_warnings": False,
+    }
+    return Integrator(points, ca.integrator("run", "cvodes", equations, 0.0, list(points), options))
+
+
+def even_points() -> Array:
+    """Give the parts of a stretch whose states are kept."""
+    return np.linspace(0, 1, POINTS + 1)[1:]
+
+
+@dataclass(frozen=True, slots=True)
+class ContinuousRun:
+    """A loop to be followed; `ended` tells the first of some samples after which the run is over, if there is one."""
+
+    dae: Dae
+    integrator: Integrator
+    ended: Callable[[Samples], int | None]
+
+    def follow(self, world: World, x: Array, duration: float) -> tuple[Samples, float | None]:
+        """Integrate from x at t = 0; gives the samples, and when the integrator failed, if it did.
+
+        Where the run is over before its time, the instants become 400 times as dense, and the first of them after
+        which it is over is the last one.
+        """
+        borders = [0.0, *(each for each in world.changes if each < duration), duration]
+        parts: list[Samples] = []
+        for t, until in itertools.pairwise(borders):
+            parameters = parameters_of(self.dae, world, t=t)
+            stretch, failed = self._stretch(x, t, until - t, parameters, shortest=SHORTEST * (until - t))
+            stop = self.ended(stretch)
+            if stop is not None:
+                parts.append(self._ending(stretch, stop, parameters))
+                return joined(parts), None
+            parts.append(stretch)
+            if failed is not None:
+                return joined(parts), failed
+            x = stretch.x[:, -1]
+        return joined(parts), None
+
+    def _stretch(
+        self, x: Array, t: float, length: float, parameters: Array, *, shortest: float
+    ) -> tuple[Samples, float | None]:
+        """Integrate one stretch, in halves where it fails as a whole."""
+        found = self.integrator(x, t, length, parameters)
+        if found is not None:
+            times = np.concatenate([[t], t + length * self.integrator.points])
+            return observed(self.dae, times, np.column_stack([x, found]), parameters), None
+        if length < shortest:
+            return observed(self.dae, np.array([t]), x[:, None], parameters), t
+        left, failed = self._stretch(x, t, length / 2, parameters, shortest=shortest)
+        if failed is not None:
+            return left, failed
+        right, failed = self._stretch(left.x[:, -1], t + length / 2, length / 2, parameters, shortest=shortest)
+        return joined([left, right]), failed
+
+    def _ending(self, stretch: Samples, stop: int, parameters: Array) -> Samples:
+        """Look closely at the instants around `stop`, and end there."""
+        begin, until = max(0, stop - 1), min(stop + 1, stretch.t.size - 1)
+        if stop == 0 or begin == until:
+            return stretch.upto(stop + 1)
+        t, length = float(stretch.t[begin]), float(stretch.t[until] - stretch.t[begin])
+        closely, _ = self._stretch(stretch.x[:, begin], t, length, parameters, shortest=length)
+        last = self.ended(closely)
+        return joined([stretch.upto(begin), closely if last is None else closely.upto(last + 1)])

@@ -1,0 +1,59 @@
+"""Where a run must end before its time: contact that would be lost, and motion that runs away."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from firmtouch.mechanics import Array
+from firmtouch.regulation import ClosedLoop, OperatingPoint
+from firmtouch.simulation.samples import Samples
+
+FAR: Final = 1.0
+"""A motion this far from q_d (rad or m), and FURTHER times as far as it began, has run away."""
+FURTHER: Final = 3.0
+STRONG: Final = 1e3
+"""A contact force this many times what the operating point knows of has run away."""
+
+
+def contact_signs(op: OperatingPoint) -> Array:
+    """Give for each constraint the sign that lambda must keep, m: that of lambda_d (+ for zero), or 0 for any."""
+    one_sided = np.array([each.one_sided for each in op.plant.spec.constraints.values()])
+    return np.where(one_sided, np.where(op.lambda_d < 0, -1.0, 1.0), 0.0)
+
+
+def lost_contact(samples: Samples, signs: Array) -> int | None:
+    """Find the first instant from which the force of a one-sided contact pulls, or would before the next instant.
+
+    Between instants lambda is taken as the parabola through three of them, so that a short dip is not missed.
+    """
+    force = signs[:, None] * samples.lambda_
+    pulls = np.any(force < 0, axis=0)
+    before, here, after = force[:, :-2], force[:, 1:-1], force[:, 2:]
+    bend, slope = (before - 2 * here + after) / 2, (after - before) / 2
+    with np.errstate(divide="ignore", invalid="ignore"):
+        lowest = here - slope**2 / (4 * bend)
+        dips = (bend > 0) & (np.abs(slope) < 2 * bend) & (lowest < 0)
+    pulls[1:-1] |= np.any(dips, axis=0)
+    return int(np.argmax(pulls)) if np.any(pulls) else None
+
+
+def ran_away(samples: Samples, loop: ClosedLoop, distance: float) -> tuple[int, str] | None:
+    """Find the first instant at which the motion or the force has run away, and say which; `distance` is the start's.
+
+    Numbers that are not finite have run away too.
+    """
+    op = loop.operating_point
+    scale = 1 + float(np.max(np.abs(op.lambda_d))) + float(np.max(np.abs(op.g)))
+    with np.errstate(invalid="ignore"):
+        far = np.max(np.abs(samples.x[: op.n] - op.q_d[:, None]), axis=0)
+        near = far <= max(FAR, FURTHER * distance)
+        weak = np.max(np.abs(samples.lambda_), axis=0) <= STRONG * scale
+    ended = ~(near & weak)
+    if not np.any(ended):
+        return None
+    i = int(np.argmax(ended))
+    if not near[i]:
+        return i, f"it was {far[i]:.3g} rad or m from q_d"
+    return i, f"the contact force had grown to {np.max(np.abs(samples.lambda_[:, i])):.3g} (in SI)"

@@ -1,0 +1,128 @@
+"""`simulate`: a scenario and a closed loop -> a trajectory."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from firmtouch.mechanics.arrays import frozen
+from firmtouch.regulation import ClosedLoop, OperatingPoint
+from firmtouch.simulation.continuous import ContinuousRun, Integrator, build_integrator, even_points
+from firmtouch.simulation.dae import Dae, Input, derive_dae, parameters_of
+from firmtouch.simulation.ending import contact_signs, lost_contact, ran_away
+from firmtouch.simulation.samples import Samples
+from firmtouch.simulation.scenario import Scenario
+from firmtouch.simulation.start import consistent_start
+from firmtouch.simulation.stepwise import Stepper, build_stepper, run_stepwise
+from firmtouch.simulation.trajectory import Equilibrium, Outcome, Trajectory
+from firmtouch.simulation.world import World
+
+TOLERANCE: Final = 1e-10
+ARRIVED: Final = 1e-3
+"""Distance from an equilibrium (rad or m) and speed (per second) that count as rest there, by default."""
+NEWTON_STEPS: Final = 30
+
+
+@dataclass(frozen=True, slots=True)
+class Simulator:
+    """A closed loop under one feedback, ready to run in any world with this number of swinging disturbances."""
+
+    dae: Dae
+    machine: Integrator | Stepper
+    tolerance: float
+
+
+def build_simulator(loop: ClosedLoop, scenario: Scenario, *, tolerance: float = TOLERANCE) -> Simulator:
+    """Derive the equations of a scenario's feedback, and set up their integrator."""
+    dae = derive_dae(loop, scenario.feedback, sinusoids=len(scenario.world.sinusoids))
+    stepwise = dae.input in (Input.HELD, Input.REMEMBERED)
+    machine = build_stepper(dae, tolerance) if stepwise else build_integrator(dae, tolerance, even_points())
+    return Simulator(dae, machine, tolerance)
+
+
+def simulate(
+    loop: ClosedLoop, scenario: Scenario, *, simulator: Simulator | None = None, tolerance: float = TOLERANCE
+) -> Trajectory:
+    """Run a scenario; a `simulator` of the same loop and feedback saves deriving it again.
+
+    Raises
+    ------
+    OffSurfaceError
+        If the start cannot be put onto the true constraints.
+    """
+    op, world = loop.operating_point, scenario.world
+    simulator = simulator or build_simulator(loop, scenario, tolerance=tolerance)
+    dae, machine = simulator.dae, simulator.machine
+    projection, qdot = consistent_start(op, world, scenario.start)
+    x = np.concatenate([projection.q, qdot, op.lambda_d if dae.filtered else []])
+    distance = float(np.max(np.abs(projection.q - op.q_d)))
+    signs = contact_signs(op)
+
+    def ended(samples: Samples) -> int | None:
+        away = ran_away(samples, loop, distance)
+        found = [each for each in (lost_contact(samples, signs), away and away[0]) if each is not None]
+        return min(found, default=None)
+
+    if isinstance(machine, Integrator):
+        samples, failed = ContinuousRun(dae, machine, ended).follow(world, x, scenario.duration)
+    else:
+        samples, failed = run_stepwise(dae, machine, scenario, x, ended)
+    rest = find_equilibrium(dae, world, float(samples.t[-1]))
+    outcome, reason = _ended_early(samples, loop, distance) or _failed(failed) or _at_the_end(samples, op, rest)
+    n = op.n
+    return Trajectory(
+        scenario, frozen(samples.t), frozen(samples.x[:n].T), frozen(samples.x[n : 2 * n].T),
+        frozen(samples.lambda_.T), frozen(samples.u.T), frozen(samples.Phi.T),
+        outcome, reason, projection.moved, rest,
+    )  # fmt: skip
+
+
+def find_equilibrium(dae: Dae, world: World, t: float) -> Equilibrium | None:
+    """Find where the closed loop rests near the regulation point under what acts just after t, by Newton's method."""
+    op = dae.loop.operating_point
+    parameters = parameters_of(dae, world, t=t)
+    at = np.concatenate([op.q_d, op.lambda_d])
+    scale = 1 + float(np.max(np.abs(op.lambda_d))) + float(np.max(np.abs(op.g)))
+    for _ in range(NEWTON_STEPS):
+        error, slope = (each.full() for each in dae.residual(at, parameters))
+        if not (np.all(np.isfinite(error)) and np.all(np.isfinite(slope))):
+            return None
+        step = np.linalg.lstsq(slope, error.ravel(), rcond=None)[0]
+        at = at - step
+        if np.max(np.abs(step[: op.n])) < 1e-12 and np.max(np.abs(step[op.n :])) < 1e-12 * scale:
+            return Equilibrium(frozen(at[: op.n]), frozen(at[op.n :]))
+    return None
+
+
+def _ended_early(samples: Samples, loop: ClosedLoop, distance: float) -> tuple[Outcome, str] | None:
+    """Tell whether the last sample is where the run had to end."""
+    op, t = loop.operating_point, float(samples.t[-1])
+    away = ran_away(samples, loop, distance)
+    if away is not None:
+        return Outcome.DIVERGED, f"diverged at {t:.4g} s: {away[1]}"
+    force = contact_signs(op) * samples.lambda_[:, -1]
+    if np.any(force < 0):
+        name = list(op.plant.spec.constraints)[int(np.argmin(force))]
+        return Outcome.CONTACT_LOST, (
+            f"lost contact at {t:.4g} s: from there on `{name}` would have to pull, and it is one-sided"
+        )
+    return None
+
+
+def _failed(t: float | None) -> tuple[Outcome, str] | None:
+    if t is None:
+        return None
+    return Outcome.STOPPED, f"could not be followed beyond {t:.4g} s: J or the force loop becomes singular there"
+
+
+def _at_the_end(samples: Samples, op: OperatingPoint, rest: Equilibrium | None) -> tuple[Outcome, str]:
+    """Tell whether the last sample is at rest, and where."""
+    t, q, qdot = float(samples.t[-1]), samples.x[: op.n, -1], samples.x[op.n : 2 * op.n, -1]
+    speed, where = float(np.max(np.abs(qdot))), f"{np.max(np.abs(q - op.q_d)):.2g} rad or m from q_d"
+    if speed > ARRIVED:
+        return Outcome.MOVING, f"still moved at {t:.4g} s, at up to {speed:.2g} rad/s or m/s"
+    if rest is not None and np.max(np.abs(q - rest.q)) <= ARRIVED:
+        return Outcome.CONVERGED, f"came to rest {where}"
+    return Outcome.ELSEWHERE, f"came to rest at another equilibrium, {where}"

@@ -6,7 +6,7 @@ import pytest
 
 from firmtouch.errors import ModelFileError
 from firmtouch.modelfile import parse_model
-from firmtouch.modelfile.read import MOST_MISTAKES
+from firmtouch.modelfile.diagnostics import MOST_MISTAKES
 
 BASE = """\
 schema: firmtouch.model/1

@@ -81,6 +81,44 @@ class ChecksFailedError(NoDesignError):
         super().__init__(f"the model fails its checks: {reasons}; `firmtouch check` tells more")
 
 
+@dataclass(frozen=True, slots=True)
+class FoundGains:
+    """Gains as a method found them, in their loop; see `Design` for the other fields."""
+
+    loop: ClosedLoop
+    requested: tuple[complex, ...]
+    achieved: tuple[complex, ...]
+    region: RegionDesign | None
+
+
+def find_gains(
+    model: ModelFile,
+    progress: Callable[[str], None] = lambda _: None,
+    *,
+    front: tuple[str, str] | None = None,
+) -> FoundGains:
+    """Find the gains alone, by the method that the file names, without proofs or checks of the model.
+
+    Raises
+    ------
+    NoDesignError
+        If there are none.
+    InputError
+        If the file's intervals or objectives make no sense for the mechanism.
+    """
+    progress("deriving the mechanics")
+    op = find_operating_point(derive_plant(model.spec))
+    if model.spec.design.method == "region":
+        region = _design_region(op, model, front, progress)
+        return FoundGains(region.loop, (), region.loop.poles.pencil, region)
+    if front is not None:
+        raise InputError("a front weighs objectives of region designs; this one assigns poles (`--method region`)")
+    progress("assigning the poles")
+    loop = assign_poles(op, model.spec.design)
+    requested = requested_poles(model.spec.design)
+    return FoundGains(loop, requested, match_poles(loop.poles.pencil, requested), None)
+
+
 def design_model(
     model: ModelFile,
     progress: Callable[[str], None] = lambda _: None,
@@ -96,20 +134,9 @@ def design_model(
     InputError
         If the file's intervals or objectives make no sense for the mechanism.
     """
-    spec = model.spec
-    progress("deriving the mechanics")
-    op = find_operating_point(derive_plant(spec))
-    region, requested = None, tuple[complex, ...]()
-    if spec.design.method == "region":
-        region = _design_region(op, model, front, progress)
-        loop, achieved = region.loop, region.loop.poles.pencil
-    else:
-        if front is not None:
-            raise InputError("a front weighs objectives of region designs; this one assigns poles (`--method region`)")
-        progress("assigning the poles")
-        loop = assign_poles(op, spec.design)
-        requested = requested_poles(spec.design)
-        achieved = match_poles(loop.poles.pencil, requested)
+    found = find_gains(model, progress, front=front)
+    spec, loop, region = model.spec, found.loop, found.region
+    op = loop.operating_point
     progress("checking the model")
     checks, symbolic = check_model(model)
     if not checks.holds:
@@ -119,9 +146,9 @@ def design_model(
     return Design(
         model=model,
         loop=loop,
-        requested=requested,
-        achieved=achieved,
-        residual=pole_distance(achieved, requested) if requested else 0.0,
+        requested=found.requested,
+        achieved=found.achieved,
+        residual=pole_distance(found.achieved, found.requested) if found.requested else 0.0,
         steady_state=steady_state_errors(loop, spec.bounds),
         checks=checks,
         symbolic=symbolic,

@@ -8,7 +8,7 @@ import casadi as ca
 import numpy as np
 
 from firmtouch.mechanics import Array
-from firmtouch.mechanics.arrays import frozen
+from firmtouch.mechanics.arrays import call_vector, frozen
 from firmtouch.mechanics.symbols import Symbols
 from firmtouch.modelfile import Expression
 from firmtouch.regulation.gains import Gains
@@ -41,9 +41,8 @@ def control_law(
     error = lambda_ - op.lambda_d
     damping = -ca.DM(gains.C) @ qdot
     if P_d is not None and controller in (Controller.ENERGY, Controller.ENERGY_WITH_FORCE):
-        shaping = symbols.scalar(P_d)
-        parameters = ca.substitute(ca.gradient(shaping, q), symbols.p, ca.DM(op.plant.p))
-        u = op.plant.functions["P_q"](q, op.plant.p) - parameters + damping  # Eq. (5)
+        desired = _gradient(op, symbols, P_d)
+        u = op.plant.functions["P_q"](q, op.plant.p) - desired + damping  # Eq. (5)
     else:
         u = ca.DM(gains.bias) - ca.DM(gains.W) @ (q - op.q_d) + damping  # Eq. (15)
     if controller is Controller.ENERGY_WITH_FORCE:
@@ -51,6 +50,16 @@ def control_law(
     if controller is Controller.AFFINE_WITH_FORCE:
         u += ca.DM(op.J).T @ ca.DM(gains.G_f) @ error  # Eq. (17)
     return ca.Function("u", [q, qdot, lambda_], [ca.densify(u)])
+
+
+def energy_gradient(op: OperatingPoint, P_d: Expression) -> Array:
+    """Give Pd_q(q_d) (n) of a desired potential energy: f_d, where (q_d, lambda_d) is to be an equilibrium."""
+    symbols = Symbols(op.plant.spec)
+    return call_vector(ca.Function("Pd_q", [symbols.q], [ca.densify(_gradient(op, symbols, P_d))]), op.q_d)
+
+
+def _gradient(op: OperatingPoint, symbols: Symbols, P_d: Expression) -> ca.SX:
+    return ca.substitute(ca.gradient(symbols.scalar(P_d), symbols.q), symbols.p, ca.DM(op.plant.p))
 
 
 def closed_loop_acceleration(

@@ -29,6 +29,7 @@ def design_as_json(design: Design) -> dict[str, Any]:
             "sha256": model.sha256,
             "coordinates": list(model.spec.coordinates),
             "constraints": list(model.spec.constraints),
+            "source": model.document.text,
         },
         "operating_point": {
             "q_d": op.q_d.tolist(),

@@ -2,6 +2,7 @@
 
 from firmtouch.modelfile.fields.checked import Checked, declared, problems_of, read_all, refuse, under
 from firmtouch.modelfile.fields.formula import EXPRESSION_SCHEMA, Expression, expression_in, read_expression
+from firmtouch.modelfile.fields.frequency import frequency_between
 from firmtouch.modelfile.fields.names import Label, NewName, Text, check_keys, new_name
 from firmtouch.modelfile.fields.pole import read_pole
 from firmtouch.modelfile.fields.quantity import (
@@ -30,6 +31,7 @@ __all__ = [
     "declared",
     "expect_dimension",
     "expression_in",
+    "frequency_between",
     "new_name",
     "problems_of",
     "quantity_in",

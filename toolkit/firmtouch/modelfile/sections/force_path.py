@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
-import math
-import re
 from typing import Annotated, Final
 
 from pydantic import Field, ValidationInfo, model_validator
 
 from firmtouch.modelfile.expression import Problem
-from firmtouch.modelfile.fields import QUANTITY_SCHEMA, Checked, expect_dimension, quantity_in, read_quantity, refuse
+from firmtouch.modelfile.fields import (
+    QUANTITY_SCHEMA,
+    Checked,
+    expect_dimension,
+    frequency_between,
+    quantity_in,
+    read_quantity,
+    refuse,
+)
 from firmtouch.modelfile.sections.amounts import CONTACT_STIFFNESSES
 from firmtouch.modelfile.sections.section import Section
-from firmtouch.modelfile.units import SECOND, Dimension
+from firmtouch.modelfile.units import Dimension
 
 SLOWEST, FASTEST = 0.1, 1e7
 """Bandwidths of force sensors, in rad/s."""
@@ -22,22 +28,6 @@ MOST_STEPS: Final = 100
 """A longer delay, in samples, is hardly one of a force loop; each sample is a state for each constraint."""
 WHOLE: Final = 1e-9
 """How far, relatively, a delay may be from a whole number of samples: the rounding of two decimal numbers."""
-_HERTZ: Final = re.compile(r"hz|hertz", re.IGNORECASE)
-_RADIANS: Final = re.compile(r"\brad(ians?)?\b")
-
-
-def _bandwidth(raw: object, info: ValidationInfo) -> float:  # noqa: ARG001  # the signature is pydantic's
-    """Read a frequency into rad/s. Hertz count cycles; units.py knows only 1/s, so the 2 pi comes in here."""
-    quantity = read_quantity(raw, example="80 Hz")
-    cycles = bool(_HERTZ.search(quantity.text))
-    if cycles or not quantity.bare:
-        expect_dimension(quantity, Dimension() / SECOND)
-    if not cycles and not _RADIANS.search(quantity.text):
-        refuse(Problem("this may count cycles or radians; write `80 Hz` (cycles) or `500 rad/s`"))
-    value = quantity.value * (2 * math.pi if cycles else 1)
-    if not SLOWEST <= value <= FASTEST:
-        refuse(Problem(f"{value:.4g} rad/s is out of range; it must lie between {SLOWEST:g} and {FASTEST:g} rad/s"))
-    return value
 
 
 def _modulus(raw: object, info: ValidationInfo) -> float:  # noqa: ARG001  # the signature is pydantic's
@@ -69,14 +59,14 @@ class ForceMargins(Section):
         return self
 
 
-USUAL_MARGINS: Final = ForceMargins(gain=2.0, modulus=0.5)
-"""What is asked where G_f is to be chosen and the file asks for no margins."""
+USUAL_MARGINS: Final = ForceMargins.model_construct(gain=2.0, delay=None, modulus=0.5)
+"""What is asked where G_f is to be chosen and the file asks for no margins; not validated, which would load pint."""
 
 
 class ForcePathSpec(Section):
     """The force sensor and the way of its signal, L(s) of [T8]."""
 
-    bandwidth: Annotated[float, Checked(_bandwidth, QUANTITY_SCHEMA)] | None = Field(
+    bandwidth: Annotated[float, frequency_between(SLOWEST, FASTEST)] | None = Field(
         None, description="of the sensor, a low-pass of first order (-3 dB): `80 Hz` (cycles), or in rad/s"
     )
     delay: Annotated[float, quantity_in("s", least=SHORTEST, most=LONGEST)] | None = Field(

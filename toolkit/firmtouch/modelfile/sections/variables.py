@@ -7,7 +7,7 @@ from pydantic import Field, model_validator
 from firmtouch.modelfile.expression import Problem
 from firmtouch.modelfile.fields import AnyQuantity, Text, UnitText, expect_dimension, refuse, under
 from firmtouch.modelfile.sections.section import ShortSection
-from firmtouch.modelfile.units import parse_unit
+from firmtouch.modelfile.units import JOULE, parse_unit
 
 
 class Parameter(ShortSection):
@@ -45,11 +45,23 @@ class Coordinate(ShortSection):
     short_for = "unit"
 
     unit: UnitText = Field(description="`rad` for an angle, `m` for a length")
+    effort: AnyQuantity | None = Field(
+        None, description="the greatest force of its drive: in N m for an angle, in N for a length; without it, any"
+    )
     label: Text | None = Field(None, description="what it is, in words")
 
     @model_validator(mode="after")
     def _unit_is_si(self) -> Coordinate:
         expect_si(self.unit)
+        return self
+
+    @model_validator(mode="after")
+    def _effort_is_a_force(self) -> Coordinate:
+        if self.effort is not None:
+            with under("effort"):
+                expect_dimension(self.effort, JOULE / parse_unit(self.unit).dimension)
+            if not self.effort.value > 0:
+                refuse(Problem("a drive without any force; it must be positive", path=("effort",)))
         return self
 
 

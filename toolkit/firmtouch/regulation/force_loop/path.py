@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from firmtouch.mechanics import Array
 from firmtouch.modelfile import ModelSpec
+from firmtouch.modelfile.sections.force_path import ForcePathSpec
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,8 +75,10 @@ class ForcePath:
 
 def force_path_of(spec: ModelSpec) -> ForcePath | None:
     """Read the force path of a model file; None if the file has none."""
-    given = spec.force_path
-    if given is None:
-        return None
+    return None if spec.force_path is None else as_force_path(spec.force_path)
+
+
+def as_force_path(given: ForcePathSpec) -> ForcePath:
+    """Read a force path as it stands in a file."""
     lag = 1 / given.bandwidth if given.bandwidth else 0.0
     return ForcePath(delay=given.delay or 0.0, lag=lag, sample=given.sample or 0.0)

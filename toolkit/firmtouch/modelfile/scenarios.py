@@ -1,0 +1,40 @@
+"""A scenario file, read for the model that it belongs to."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from firmtouch.modelfile.declarations import declarations
+from firmtouch.modelfile.diagnostics import validated
+from firmtouch.modelfile.read import ModelFile, read_bytes
+from firmtouch.modelfile.sections.scenario import ScenarioFileSpec, ScenarioSpec
+from firmtouch.modelfile.yamltext import Document, read_yaml
+
+
+@dataclass(frozen=True, slots=True)
+class ScenarioFile:
+    """The scenarios of a file, by name; `document` knows where each entry stands."""
+
+    scenarios: dict[str, ScenarioSpec]
+    document: Document = field(compare=False, repr=False)
+
+
+def read_scenarios(path: Path | str, model: ModelFile) -> ScenarioFile:
+    """Read and check a scenario file; its names and units are the model's.
+
+    Raises
+    ------
+    ModelFileError
+        With every mistake, each at its line and column.
+    InputError
+        If the file cannot be read at all.
+    """
+    return parse_scenarios(read_bytes(Path(path)), model, file=str(path))
+
+
+def parse_scenarios(content: bytes, model: ModelFile, *, file: str) -> ScenarioFile:
+    """Check the bytes of a scenario file; `file` is its name in messages."""
+    document = read_yaml(content, file)
+    found = validated(document, ScenarioFileSpec, declarations(model.document.data))
+    return ScenarioFile(dict(found.scenarios), document)

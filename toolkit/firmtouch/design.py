@@ -22,6 +22,7 @@ from firmtouch.regulation import ClosedLoop, OperatingPoint, SteadyState, find_o
 from firmtouch.regulation.closed_loop import match_poles, pole_distance
 from firmtouch.regulation.operating_point import OffSurfaceError, project
 from firmtouch.regulation.uncertainty import IndefiniteInertiaError
+from firmtouch.simulation.trial import Trial, try_out
 from firmtouch.synthesis import assign_poles
 from firmtouch.synthesis.pole_assignment import requested_poles
 
@@ -42,7 +43,7 @@ MOST_DRAWN: Final = 2
 class Design:
     """A checked design: all that the reports and `design.json` tell.
 
-    `surroundings` is None until they are looked at, which may take a while.
+    `surroundings` is None until they are looked at, and `trial` until the loop is tried out in simulation.
     `requested` is empty, and `residual` zero, for a region design, which asks for no particular poles; `region` holds
     what it does ask for, and is None for a pole assignment.
     """
@@ -59,6 +60,7 @@ class Design:
     region: RegionDesign | None
     certificate: Certificate
     surroundings: Surroundings | None
+    trial: Trial | None
     warnings: tuple[str, ...]
 
 
@@ -156,6 +158,7 @@ def design_model(
         region=region,
         certificate=certificate,
         surroundings=None,
+        trial=None,
         warnings=(
             *_warnings(loop),
             *(_search_warnings(region) if region is not None else ()),
@@ -170,6 +173,14 @@ def look_around_design(design: Design) -> Design:
     drawn = finding.attraction is not None and finding.attraction.chart.free <= MOST_DRAWN
     comparison = compare_attraction(design.loop, finding.attraction) if drawn and finding.attraction else None
     return replace(design, surroundings=Surroundings(finding, comparison))
+
+
+def try_out_design(design: Design) -> Design:
+    """Add simulations of the nonlinear closed loop to a design, and warn of those that went wrong."""
+    trial = try_out(design.loop, design.steady_state)
+    bad = [each.trajectory for each in trial.runs if not each.trajectory.outcome.good]
+    warnings = tuple(f"Simulated, “{each.scenario.title}” {each.reason}." for each in bad)
+    return replace(design, trial=trial, warnings=(*design.warnings, *warnings))
 
 
 def _design_region(

@@ -13,6 +13,7 @@ EXAMPLES = """examples:
   firmtouch new polisher                    write polisher.yaml, a commented model file
   firmtouch check polisher.yaml             is the model what it says it is?
   firmtouch design polisher.yaml            gains, their proof and a report in reports/polisher/
+  firmtouch simulate reports/polisher       does it do that on the nonlinear mechanism?
   firmtouch verify reports/polisher/certificate.json --model polisher.yaml
 
 exit codes: 0 good, 1 the answer is no, 2 the question was wrong"""
@@ -42,7 +43,18 @@ def build_parser() -> argparse.ArgumentParser:
     design.add_argument(
         "--no-attraction", action="store_true", help="prove no region of attraction, which takes longest"
     )
+    design.add_argument("--no-simulation", action="store_true", help="simulate nothing")
     design.set_defaults(run=_command("design"))
+
+    simulate = commands.add_parser(
+        "simulate", help="simulate the nonlinear closed loop in given or usual scenarios", description=_SIMULATE
+    )
+    simulate.add_argument("target", metavar="MODEL_OR_DESIGN", help="a model file, a design.json, or its folder")
+    simulate.add_argument("--scenario", metavar="FILE", help="a scenario file (YAML; default: the usual scenarios)")
+    simulate.add_argument("--only", metavar="NAME", help="one scenario alone")
+    simulate.add_argument("--out", metavar="DIR", help="where to write (default: reports/<model>/simulation)")
+    simulate.add_argument("--json", action="store_true", help="print simulation.json on stdout instead of words")
+    simulate.set_defaults(run=_command("simulate"))
 
     check = commands.add_parser(
         "check", help="check models: constraints, inertia, derivatives, energy", description=_CHECK
@@ -69,6 +81,11 @@ def build_parser() -> argparse.ArgumentParser:
 _DESIGN = (
     "Find W, C and G_f for a model, prove what is claimed of them, and write design.json, certificate.json, "
     "report.html and report.pdf."
+)
+_SIMULATE = (
+    "Simulate the nonlinear closed loop, and write simulation.json, simulation.html and a CSV file for each scenario; "
+    "exit code 1 if it diverges, loses contact, comes to rest elsewhere, or cannot be followed. "
+    "For a model, its gains are found first."
 )
 _CHECK = "Check models, one table each; exit code 1 if a check fails, 2 if a file cannot be read."
 _VERIFY = (

@@ -22,6 +22,8 @@ from firmtouch.simulation.world import World
 TOLERANCE: Final = 1e-10
 ARRIVED: Final = 1e-3
 """Distance from an equilibrium (rad or m) and speed (per second) that count as rest there, by default."""
+AT_REST: Final = 1e-5
+"""Distance from q_d (rad or m) of which no word is worth making."""
 NEWTON_STEPS: Final = 30
 
 
@@ -120,9 +122,11 @@ def _failed(t: float | None) -> tuple[Outcome, str] | None:
 def _at_the_end(samples: Samples, op: OperatingPoint, rest: Equilibrium | None) -> tuple[Outcome, str]:
     """Tell whether the last sample is at rest, and where."""
     t, q, qdot = float(samples.t[-1]), samples.x[: op.n, -1], samples.x[op.n : 2 * op.n, -1]
-    speed, where = float(np.max(np.abs(qdot))), f"{np.max(np.abs(q - op.q_d)):.2g} rad or m from q_d"
+    unit = " or ".join(sorted({each.unit for each in op.plant.spec.coordinates.values()}, reverse=True))
+    speed, distance = float(np.max(np.abs(qdot))), float(np.max(np.abs(q - op.q_d)))
+    where = "at q_d" if distance < AT_REST else f"{distance:.2g} {unit} from q_d"
     if speed > ARRIVED:
-        return Outcome.MOVING, f"still moved at {t:.4g} s, at up to {speed:.2g} rad/s or m/s"
+        return Outcome.MOVING, f"still moved at {t:.4g} s, at up to {speed:.2g} {unit} per second"
     if rest is not None and np.max(np.abs(q - rest.q)) <= ARRIVED:
         return Outcome.CONVERGED, f"came to rest {where}"
     return Outcome.ELSEWHERE, f"came to rest at another equilibrium, {where}"

@@ -17,6 +17,7 @@ from firmtouch.report.contents import (
     operating_point,
     poles,
     positivity,
+    simulation,
     specification,
     uncertainty,
 )
@@ -36,6 +37,7 @@ def design_document(design: Design) -> Document:
         uncertainty.section(design),
         margins.section(design),
         errors.section(design),
+        simulation.section(design),
         certificate.section(design),
         attraction.section(design),
         checks.section(design),

@@ -26,8 +26,8 @@ parameters:
 
 # The generalised coordinates q, in order.
 coordinates:
-  q1: {{unit: rad, label: shoulder}}
-  q2: {{unit: rad, label: elbow}}
+  q1: {{unit: rad, effort: 60 N*m, label: shoulder}}   # effort: the most that the drive can do
+  q2: {{unit: rad, effort: 40 N*m, label: elbow}}
 
 # Names for intermediate expressions; each may use those above it.
 definitions:
@@ -55,7 +55,7 @@ mechanism:
 
 # phi = 0. lambda > 0 pushes the mechanism towards growing phi; with phi in metres, lambda is in newtons.
 constraints:
-  wall: {{expression: d - x(tip), unit: m}}
+  wall: {{expression: d - x(tip), unit: m, one_sided: true}}   # one_sided: it cannot pull
 
 # Where to rest, and how hard to press. `guess` is projected onto the constraints; `q_d` must lie on them.
 operating_point:

@@ -7,8 +7,10 @@ from typing import Final
 
 import numpy as np
 
+from firmtouch.mechanics import Array
 from firmtouch.mechanics.arrays import frozen
 from firmtouch.regulation import ClosedLoop, OperatingPoint
+from firmtouch.regulation.equilibrium import Equilibrium, NoEquilibriumError, solve_rest
 from firmtouch.simulation.continuous import ContinuousRun, Integrator, build_integrator, even_points
 from firmtouch.simulation.dae import Dae, Input, derive_dae, parameters_of
 from firmtouch.simulation.ending import contact_signs, lost_contact, ran_away
@@ -16,7 +18,7 @@ from firmtouch.simulation.samples import Samples
 from firmtouch.simulation.scenario import Scenario
 from firmtouch.simulation.start import consistent_start
 from firmtouch.simulation.stepwise import Stepper, build_stepper, run_stepwise
-from firmtouch.simulation.trajectory import Equilibrium, Outcome, Trajectory
+from firmtouch.simulation.trajectory import Outcome, Trajectory
 from firmtouch.simulation.world import World
 
 TOLERANCE: Final = 1e-10
@@ -24,7 +26,6 @@ ARRIVED: Final = 1e-3
 """Distance from an equilibrium (rad or m) and speed (per second) that count as rest there, by default."""
 AT_REST: Final = 1e-5
 """Distance from q_d (rad or m) of which no word is worth making."""
-NEWTON_STEPS: Final = 30
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,19 +84,16 @@ def simulate(
 
 def find_equilibrium(dae: Dae, world: World, t: float) -> Equilibrium | None:
     """Find where the closed loop rests near the regulation point under what acts just after t, by Newton's method."""
-    op = dae.loop.operating_point
     parameters = parameters_of(dae, world, t=t)
-    at = np.concatenate([op.q_d, op.lambda_d])
-    scale = 1 + float(np.max(np.abs(op.lambda_d))) + float(np.max(np.abs(op.g)))
-    for _ in range(NEWTON_STEPS):
-        error, slope = (each.full() for each in dae.residual(at, parameters))
-        if not (np.all(np.isfinite(error)) and np.all(np.isfinite(slope))):
-            return None
-        step = np.linalg.lstsq(slope, error.ravel(), rcond=None)[0]
-        at = at - step
-        if np.max(np.abs(step[: op.n])) < 1e-12 and np.max(np.abs(step[op.n :])) < 1e-12 * scale:
-            return Equilibrium(frozen(at[: op.n]), frozen(at[op.n :]))
-    return None
+
+    def balance(q: Array, lambda_: Array) -> tuple[Array, Array]:
+        error, slope = (each.full() for each in dae.residual(np.concatenate([q, lambda_]), parameters))
+        return error.ravel(), slope
+
+    try:
+        return solve_rest(dae.loop.operating_point, balance)
+    except NoEquilibriumError:
+        return None
 
 
 def _ended_early(samples: Samples, loop: ClosedLoop, distance: float) -> tuple[Outcome, str] | None:

@@ -62,15 +62,16 @@ class SimulatedSteadyState:
 def simulate_steady_state(
     loop: ClosedLoop, errors: SteadyState, simulator: Simulator | None = None
 ) -> SimulatedSteadyState:
-    """Let every worst case of the table come to rest on the nonlinear plant, with controller (17) and unlimited drives.
+    """Let every worst case of the table come to rest on the nonlinear plant, with controller (17).
 
-    A `simulator` of this feedback saves deriving it.
+    A `simulator` of that controller saves deriving it; its drives may be limited. Without one they are not.
     """
     op = loop.operating_point
     nominal = nominal_world(op)
     slowest = min(abs(each.real) for each in loop.poles.reduced)
     still = Start(op.q_d, frozen(np.zeros(op.n)))
-    scenario = Scenario("rest", "", Feedback(), still, nominal, min(LONGEST, REST / max(slowest, 1e-6)))
+    feedback = Feedback() if simulator is None else simulator.dae.feedback
+    scenario = Scenario("rest", "", feedback, still, nominal, min(LONGEST, REST / max(slowest, 1e-6)))
     bench = _Bench(loop, scenario, simulator or build_simulator(loop, scenario))
     worlds: dict[str, Callable[[Array], World]] = {
         "force": lambda d: replace(nominal, disturbances=(Disturbance(d),)),

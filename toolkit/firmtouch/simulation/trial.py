@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from firmtouch.regulation import ClosedLoop, SteadyState
 from firmtouch.simulation.prediction import Prediction, predict
 from firmtouch.simulation.run import Simulator, build_simulator, simulate
-from firmtouch.simulation.scenario import Feedback, Scenario
+from firmtouch.simulation.scenario import Scenario
 from firmtouch.simulation.steady import SimulatedSteadyState, simulate_steady_state
 from firmtouch.simulation.trajectory import Trajectory
 from firmtouch.simulation.usual import usual_scenarios
@@ -34,8 +34,7 @@ def try_out(loop: ClosedLoop, errors: SteadyState) -> Trial:
     """Simulate the usual scenarios and the table."""
     scenarios = usual_scenarios(loop, errors)
     simulator = build_simulator(loop, scenarios[0])
-    plain = simulator if scenarios[0].feedback == Feedback() else None
-    return Trial(run_all(loop, scenarios, simulator), simulate_steady_state(loop, errors, plain))
+    return Trial(run_all(loop, scenarios, simulator), simulate_steady_state(loop, errors, simulator))
 
 
 def run_all(loop: ClosedLoop, scenarios: Iterable[Scenario], simulator: Simulator | None = None) -> tuple[Run, ...]:

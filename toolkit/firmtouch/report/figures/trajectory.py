@@ -20,6 +20,7 @@ COLOURS: Final = ("#2b5c8a", "#c07a1f", "#2f7d4f", "#8a3f8f", "#1b9aaa", "#8c5a4
 MOST_DRAWN: Final = 1200
 """Instants that a line is drawn through."""
 MOST_COLUMNS: Final = 7
+HEIGHT: Final = 2.4
 
 
 def run_picture(run: Run, op: OperatingPoint, prefix: str) -> str:
@@ -28,8 +29,11 @@ def run_picture(run: Run, op: OperatingPoint, prefix: str) -> str:
     units = units_of(spec)
     names, constraints = list(spec.coordinates), list(spec.constraints)
     with styled():
-        figure = new_figure(7.0, 2.35)
-        position, force, drive = figure.subplots(1, 3)
+        entries = len(names) + len(constraints) + 1
+        figure = new_figure(7.0, HEIGHT, layout="none")
+        below = 0.2 if entries <= MOST_COLUMNS else 0.26
+        sides = {"left": 0.075, "right": 0.985, "top": 0.9, "bottom": below + 0.11, "wspace": 0.28}
+        position, force, drive = figure.subplots(1, 3, gridspec_kw=sides)
         predicted = (run.prediction.t, run.prediction.q - op.q_d)
         _lines(position, trajectory.t, trajectory.q - op.q_d, COLOURS, behind=predicted)
         _name(position, "position error", units.coordinate or "rad or m")
@@ -101,4 +105,4 @@ def _legend(figure: Any, names: list[str], constraints: list[str]) -> None:  # n
     handles.append(Line2D([], [], color=MUTED, alpha=0.45, linewidth=2.6))
     labels = [*names, *constraints, "linear prediction"]
     columns = min(len(labels), MOST_COLUMNS)
-    figure.legend(handles, labels, loc="outside lower center", ncols=columns, fontsize=7.5, handlelength=1.6)
+    figure.legend(handles, labels, loc="lower center", ncols=columns, fontsize=7.5, handlelength=1.6)

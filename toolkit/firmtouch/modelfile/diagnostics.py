@@ -92,11 +92,15 @@ def _own_words(details: ErrorDetails, path: tuple[str | int, ...], root: type[Ba
             return Problem(f"a mapping `name: value` was expected, not {_sort(details['input'])}", path=path)
         case "literal_error":
             return _no_choice(details, path)
-        case "too_short" | "too_long" if isinstance(details["input"], dict):
-            return Problem(_count(details), path=path)
-        case "tuple_type" | "too_short" | "too_long" | "missing":
+        case "tuple_type" | "too_short" | "too_long" | "missing" if "interval" in path[-2:]:
             path = path[:-1] if details["type"] == "missing" else path
             return Problem("two quantities were expected, as in `[3.5 kg, 5.0 kg]`", path=path)
+        case "too_short" | "too_long":
+            return Problem(_count(details), path=path)
+        case "tuple_type":
+            return Problem(f"a list was expected, not {_sort(details['input'])}", path=path)
+        case "bool_type":
+            return Problem(f"`true` or `false` was expected, not {_sort(details['input'])}", path=path)
         case _:
             return Problem(details["msg"], path=path)
 
@@ -105,6 +109,8 @@ def _no_choice(details: ErrorDetails, path: tuple[str | int, ...]) -> Problem:
     wanted = str(details["ctx"]["expected"]).replace("'", "`")
     choices = tuple(wanted.replace("`", "").replace(" or ", ", ").split(", "))
     given = details["input"] if isinstance(details["input"], str) else ""
+    if given in choices:  # a number in quotation marks
+        return Problem(f"the text {shown(given)} is not possible here; expected the number", path=path)
     message = f"{_sort(details['input'])} is not possible here; expected {wanted}"
     return Problem(message, path=path, near=(given, choices))
 

@@ -35,6 +35,6 @@ def read_scenarios(path: Path | str, model: ModelFile) -> ScenarioFile:
 
 def parse_scenarios(content: bytes, model: ModelFile, *, file: str) -> ScenarioFile:
     """Check the bytes of a scenario file; `file` is its name in messages."""
-    document = read_yaml(content, file)
+    document = read_yaml(content, file, "scenario")
     found = validated(document, ScenarioFileSpec, declarations(model.document.data))
     return ScenarioFile(dict(found.scenarios), document)

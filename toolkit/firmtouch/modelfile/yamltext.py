@@ -43,7 +43,12 @@ _WORDS: Final = {
 """The words that are no text in YAML 1.2, where they are not quoted."""
 LONGEST_INTEGER: Final = 16
 BLOCKS: Final = ("|", ">")
-EMPTY: Final = "the file is empty; `firmtouch new NAME` writes one to start from"
+EMPTY: Final = {
+    "model": "the file is empty; `firmtouch new NAME` writes one to start from",
+    "scenario": "the file is empty; scenarios stand under `scenarios:`, each under its name",
+}
+ROOT: Final = {"model": "`title:`, `coordinates:`, `mechanism:` and so on", "scenario": "`schema:` and `scenarios:`"}
+"""What a file of each sort is a mapping of."""
 MOST_ENTRIES: Final = 5000
 """Ten times what the largest mechanism needs; each entry costs ruamel about 0.1 ms."""
 Path = tuple[str | int, ...]
@@ -77,8 +82,8 @@ class Document:
         return _position(self.text, event, offset)
 
 
-def read_yaml(content: bytes, name: str) -> Document:
-    """Read a YAML document; `name` is the file's name in messages.
+def read_yaml(content: bytes, name: str, sort: str = "model") -> Document:
+    """Read a YAML document; `name` is the file's name in messages, `sort` what it should be, a key of `ROOT`.
 
     Raises
     ------
@@ -86,8 +91,8 @@ def read_yaml(content: bytes, name: str) -> Document:
         If it is no text, no YAML, empty, too large, or uses what plain data cannot hold. Keys that stand twice and
         numbers that are not finite do not stop the reading; they are listed in `Document.mistakes`.
     """
-    text = _decoded(content, name)
-    builder = _Builder(name, YAML(typ="safe", pure=True).parse(text))
+    text = _decoded(content, name, sort)
+    builder = _Builder(name, sort, YAML(typ="safe", pure=True).parse(text))
     try:
         data = builder.document()
     except ReaderError as error:
@@ -106,7 +111,7 @@ def _fail(name: str, line: int, column: int, message: str) -> NoReturn:
     raise ModelFileError((Diagnostic(name, line, column, message),))
 
 
-def _decoded(content: bytes, name: str) -> str:
+def _decoded(content: bytes, name: str, sort: str) -> str:
     if len(content) > LARGEST:
         _fail(name, 1, 1, f"a file of {len(content)} bytes; at most {LARGEST} are read")
     try:
@@ -114,20 +119,20 @@ def _decoded(content: bytes, name: str) -> str:
     except UnicodeDecodeError as error:
         before = content[: error.start]
         line, column = before.count(b"\n") + 1, error.start - (before.rfind(b"\n") + 1) + 1
-        _fail(name, line, column, f"no UTF-8 text (byte 0x{content[error.start]:02x}): is this a model file?")
+        _fail(name, line, column, f"no UTF-8 text (byte 0x{content[error.start]:02x}): is this a {sort} file?")
     if not text.strip():
-        _fail(name, 1, 1, EMPTY)
+        _fail(name, 1, 1, EMPTY[sort])
     return text
 
 
 class _Builder:
     """Builds plain data from events, and remembers where each piece stands."""
 
-    def __init__(self, name: str, events: Iterator[Event]) -> None:
+    def __init__(self, name: str, sort: str, events: Iterator[Event]) -> None:
         self.values: dict[Path, Event] = {}
         self.keys: dict[Path, Event] = {}
         self.mistakes: list[Diagnostic] = []
-        self._name = name
+        self._name, self._sort = name, sort
         self._events = events
         self._entries = 0
 
@@ -136,7 +141,7 @@ class _Builder:
         next(self._events)  # the stream's start
         start = next(self._events)
         if isinstance(start, StreamEndEvent):
-            self._fail(start, EMPTY, at=(1, 1))
+            self._fail(start, EMPTY[self._sort], at=(1, 1))
         assert isinstance(start, DocumentStartEvent)
         if start.version not in (None, (1, 2)):
             self._fail(start, "another YAML than 1.2, where words and numbers would mean something else")
@@ -145,9 +150,9 @@ class _Builder:
         next(self._events)  # the document's end
         after = next(self._events)
         if not isinstance(after, StreamEndEvent):
-            self._fail(after, "a second document; a model file holds one")
+            self._fail(after, f"a second document; a {self._sort} file holds one")
         if not isinstance(data, dict):
-            self._fail(root, "a model file is a mapping of `title:`, `coordinates:`, `mechanism:` and so on", at=(1, 1))
+            self._fail(root, f"a {self._sort} file is a mapping of {ROOT[self._sort]}", at=(1, 1))
         return data
 
     def _fail(self, event: Event, message: str, *, at: tuple[int, int] | None = None) -> NoReturn:
@@ -171,7 +176,7 @@ class _Builder:
         if not isinstance(event, ScalarEvent | MappingStartEvent | SequenceStartEvent) or event.anchor is not None:
             self._fail(event, "anchors and aliases are not read here; write the value out")
         if event.ctag is not None and str(event.ctag) != "None":
-            self._fail(event, f"the tag {shown(str(event.ctag))}; a model file is plain data, without tags")
+            self._fail(event, f"the tag {shown(str(event.ctag))}; a {self._sort} file is plain data, without tags")
         if len(path) > DEEPEST:
             self._fail(event, f"nested more than {DEEPEST} deep")
         self._entries += 1

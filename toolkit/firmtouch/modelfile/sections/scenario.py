@@ -25,6 +25,7 @@ from firmtouch.modelfile.sections.amounts import MULTIPLIERS, POSITIONS, VELOCIT
 from firmtouch.modelfile.sections.force_path import ForcePathSpec
 from firmtouch.modelfile.sections.operating_point import PER_NAME, Configuration
 from firmtouch.modelfile.sections.section import Section
+from firmtouch.modelfile.words import listed, shown
 
 LONGEST: Final = 3600.0
 """The longest run, in s."""
@@ -32,6 +33,7 @@ SLOWEST, FASTEST = 1e-3, 1e5
 """Frequencies of disturbances, in rad/s."""
 MOST_SCENARIOS: Final = 50
 MOST_DISTURBANCES: Final = 20
+LARGEST_SEED: Final = 2**32 - 1
 
 
 def _some(raw: object, kinds: dict[str, Kind], what: str) -> dict[str, float]:
@@ -81,7 +83,32 @@ def _tilts(raw: object, info: ValidationInfo) -> dict[str, dict[str, float]]:
     return read_all(raw.items(), read)
 
 
+def _pair(raw: object, info: ValidationInfo) -> tuple[str, str]:
+    """Read two constraints that can be rotated into each other."""
+    known = declared(info).constraints
+    if not isinstance(raw, list) or len(raw) != 2 or not all(isinstance(each, str) for each in raw):
+        refuse(Problem("two constraints were expected, as in `[first, second]`"))
+    there_are = f"is no constraint; there are: {listed(known)}"
+    unknown = [(i, each) for i, each in enumerate(raw) if each not in known]
+    if unknown:
+        refuse(*(Problem(f"{shown(each)} {there_are}", path=(i,), near=(each, tuple(known))) for i, each in unknown))
+    first, second = raw
+    if first == second:
+        refuse(Problem("the same constraint twice; a rotation mixes two"))
+    if known[first].dimension != known[second].dimension:
+        refuse(Problem("constraints of different units cannot be rotated into each other"))
+    return first, second
+
+
+def _seed(raw: object, info: ValidationInfo) -> int:  # noqa: ARG001  # the signature is pydantic's
+    if isinstance(raw, bool) or not isinstance(raw, int) or not 0 <= raw <= LARGEST_SEED:
+        refuse(Problem(f"a whole number between 0 and {LARGEST_SEED} was expected"))
+    return raw
+
+
 _SOME: Final[dict[str, Any]] = {**PER_NAME, "minProperties": 1}
+_PAIR: Final[dict[str, Any]] = {"type": "array", "items": {"type": "string"}, "minItems": 2, "maxItems": 2}
+_SEED: Final[dict[str, Any]] = {"type": "integer", "minimum": 0, "maximum": LARGEST_SEED}
 SomePositions = Annotated[dict[str, float], Checked(_positions, _SOME)]
 SomeVelocities = Annotated[dict[str, float], Checked(_velocities, _SOME)]
 SomeJointForces = Annotated[dict[str, float], Checked(_joint_forces, _SOME)]
@@ -128,18 +155,7 @@ class RotationSpec(Section):
     """The rotation R of Eq. (33): by an angle in the plane of two constraints, from the first to the second."""
 
     angle: Annotated[float, quantity_in("rad", least=-3.2, most=3.2)]
-    constraints: tuple[str, str] = Field(description="two constraints of one unit")
-
-    @model_validator(mode="after")
-    def _two_constraints(self, info: ValidationInfo) -> RotationSpec:
-        known = declared(info).constraints
-        check_keys(self.constraints, known, "constraint", complete=False)
-        first, second = self.constraints
-        if first == second:
-            refuse(Problem("the same constraint twice; a rotation mixes two", path=("constraints",)))
-        if known[first].dimension != known[second].dimension:
-            refuse(Problem("constraints of different units cannot be rotated into each other", path=("constraints",)))
-        return self
+    constraints: Annotated[tuple[str, str], Checked(_pair, _PAIR)] = Field(description="two constraints of one unit")
 
 
 class SurfaceSpec(Section):
@@ -160,7 +176,7 @@ class NoiseSpec(Section):
     position: Annotated[dict[str, float], POSITIONS.each(zero=True)] | None = Field(None, description="of the encoders")
     velocity: Annotated[dict[str, float], VELOCITIES.each(zero=True)] | None = Field(None, description="of velocities")
     force: Annotated[dict[str, float], MULTIPLIERS.each(zero=True)] | None = Field(None, description="of lambda")
-    seed: int = Field(0, ge=0, le=2**32 - 1, description="another seed draws other noise")
+    seed: Annotated[int, Checked(_seed, _SEED)] = Field(0, description="another seed draws other noise")
 
 
 class ScenarioSpec(Section):

@@ -39,9 +39,10 @@ class Integrator:
 
 
 def build_integrator(dae: Dae, tolerance: float, points: Array) -> Integrator:
-    """Set up the variable-order backward differences of CVODES with exact Jacobians; time counts in parts of a stretch.
+    """Set up CVODES: Adams-Moulton of order 1 to 12, its equations solved by Newton's method with exact Jacobians.
 
-    `tolerance` is the relative and the absolute one (in rad, m, and these per second).
+    Arms swing more than they are stiff: at one cost, these keep the energy better than backward differences do. Time
+    counts in parts of a stretch. `tolerance` is the relative and the absolute one (in rad, m, and these per second).
     """
     s, x = ca.SX.sym("s"), ca.SX.sym("x", dae.states)
     column, span = ca.SX.sym("parameters", dae.layout.size), ca.SX.sym("span", 2)
@@ -50,6 +51,8 @@ def build_integrator(dae: Dae, tolerance: float, points: Array) -> Integrator:
     options = {
         "abstol": tolerance,
         "reltol": tolerance,
+        "linear_multistep_method": "adams",
+        "nonlinear_solver_iteration": "newton",
         "max_num_steps": MOST_STEPS,
         "disable_internal_warnings": True,
         "show_eval_warnings": False,

@@ -64,7 +64,7 @@ def energy_gradient(op: OperatingPoint, P_d: Expression) -> Array:
 
 
 def energy_hessian(op: OperatingPoint, P_d: Expression) -> Array:
-    """Give Pd_qq(q_d) (n x n) of a desired potential energy: with it, K of Eq. (10) is Pd_qq - sum lambda_dj Phi_j''."""
+    """Give Pd_qq(q_d) (n x n) of a desired potential energy; K of Eq. (10) is Pd_qq - sum of lambda_dj Phi_j''."""
     symbols = Symbols(op.plant.spec)
     slope = ca.jacobian(_gradient(op, symbols, P_d), symbols.q)
     return symmetric(call(ca.Function("Pd_qq", [symbols.q], [ca.densify(slope)]), op.q_d))

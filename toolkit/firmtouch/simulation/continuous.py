@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import casadi as ca
 import numpy as np
@@ -48,7 +48,7 @@ def build_integrator(dae: Dae, tolerance: float, points: Array) -> Integrator:
     column, span = ca.SX.sym("parameters", dae.layout.size), ca.SX.sym("span", 2)
     rate = span[1] * dae.rate(span[0] + span[1] * s, x, column)
     equations = {"t": s, "x": x, "p": ca.vertcat(column, span), "ode": rate}
-    options = {
+    options: dict[str, Any] = {
         "abstol": tolerance,
         "reltol": tolerance,
         "linear_multistep_method": "adams",

@@ -83,7 +83,7 @@ class TestAFinishedDesign:
         assert {(finished / name).stat().st_mode & 0o777 for name in FILES} == {0o644}
 
     def test_the_verdict_and_the_files_are_printed_and_nothing_else(self, tmp_path, capsys):
-        assert main(["design", str(PENDULUM), "--out", str(tmp_path), "--no-pdf"]) == 0
+        assert main(["design", str(PENDULUM), "--out", str(tmp_path), "--no-pdf", "--no-simulation"]) == 0
         printed = capsys.readouterr()
         assert printed.out.startswith("Certified: the gains put the poles at −4 ± 2j 1/s")
         written = ("design.json", "certificate.json", "report.html")
@@ -92,7 +92,7 @@ class TestAFinishedDesign:
         assert "\x1b" not in printed.out
 
     def test_without_pdf_there_are_three_files(self, tmp_path, capsys):
-        assert main(["design", str(PENDULUM), "--out", str(tmp_path), "--no-pdf"]) == 0
+        assert main(["design", str(PENDULUM), "--out", str(tmp_path), "--no-pdf", "--no-simulation"]) == 0
         assert listed(tmp_path) == FILES - {"report.pdf"}
 
     def test_json_on_stdout_is_the_file_to_the_byte(self, tmp_path, capfdbinary):
@@ -114,7 +114,7 @@ class TestAFinishedDesign:
             assert (tmp_path / name).read_bytes() == (finished / name).read_bytes()
 
     def test_warnings_go_to_stderr_without_colour_when_it_is_no_terminal(self, write, tmp_path, capsys):
-        assert main(["design", str(weak(write)), "--out", str(tmp_path / "out"), "--no-pdf"]) == 0
+        assert main(["design", str(weak(write)), "--out", str(tmp_path / "out"), "--no-pdf", "--no-simulation"]) == 0
         printed = capsys.readouterr()
         assert printed.err.splitlines()
         assert all(line.startswith("warning: ") for line in printed.err.splitlines())
@@ -128,7 +128,7 @@ class TestAFinishedDesign:
         monkeypatch.delenv("NO_COLOR", raising=False)
         if no_color:
             monkeypatch.setenv("NO_COLOR", "1")
-        assert main(["design", str(weak(write)), "--out", str(tmp_path / "out"), "--no-pdf"]) == 0
+        assert main(["design", str(weak(write)), "--out", str(tmp_path / "out"), "--no-pdf", "--no-simulation"]) == 0
         printed = capsys.readouterr()
         yellow = "\x1b[33m"
         assert (yellow in printed.err) != no_color
@@ -319,7 +319,18 @@ def test_each_file_is_the_old_or_the_new_one_whenever_the_writing_is_killed(tmp_
 
 
 def test_a_pipe_that_closes_early_is_no_error(tmp_path):
-    command = [sys.executable, "-m", "firmtouch", "design", str(PENDULUM), "--json", "--no-pdf", "--out", str(tmp_path)]
+    command = [
+        sys.executable,
+        "-m",
+        "firmtouch",
+        "design",
+        str(PENDULUM),
+        "--json",
+        "--no-pdf",
+        "--no-simulation",
+        "--out",
+        str(tmp_path),
+    ]
     read, write = os.pipe()
     os.close(read)
     with os.fdopen(write, "wb") as closed:

@@ -50,7 +50,7 @@ def styled() -> Any:  # noqa: ANN401  # matplotlib's context manager
     return mpl.rc_context(_STYLE)  # type: ignore[arg-type]  # its keys are Literals
 
 
-def new_figure(width: float, height: float, *, layout: Literal["constrained", "none"] = "constrained") -> Figure:
+def new_figure(width: float, height: float, *, layout: Literal["constrained"] | None = "constrained") -> Figure:
     """Make a figure, in inches, without any window or global state; what is laid out by hand is drawn twice as fast."""
     from matplotlib.figure import Figure
 

@@ -30,7 +30,7 @@ def run_picture(run: Run, op: OperatingPoint, prefix: str) -> str:
     names, constraints = list(spec.coordinates), list(spec.constraints)
     with styled():
         entries = len(names) + len(constraints) + 1
-        figure = new_figure(7.0, HEIGHT, layout="none")
+        figure = new_figure(7.0, HEIGHT, layout=None)
         below = 0.2 if entries <= MOST_COLUMNS else 0.26
         sides = {"left": 0.075, "right": 0.985, "top": 0.9, "bottom": below + 0.11, "wspace": 0.28}
         position, force, drive = figure.subplots(1, 3, gridspec_kw=sides)

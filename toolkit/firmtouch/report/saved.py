@@ -19,6 +19,9 @@ from firmtouch.report.design_json import SCHEMA
 
 LONGEST: Final = 16_000_000
 """Bytes; a longer file is no design."""
+LARGEST: Final = 1e15
+"""The largest gain, in SI, as in model files."""
+ROUNDING: Final = 1e-12
 Number = Annotated[float, Field(strict=False, allow_inf_nan=False)]
 Rows = list[list[Number]]
 
@@ -65,6 +68,7 @@ def read_design(path: Path) -> tuple[ModelFile, ClosedLoop]:
     lambda_d = _shaped(saved.operating_point.lambda_d, (m,), "operating_point.lambda_d", path)
     shapes = {"W": (n, n), "C": (n, n), "G_f": (m, m), "bias": (n,)}
     found = {name: _shaped(getattr(gains, name), shape, f"gains.{name}", path) for name, shape in shapes.items()}
+    _check_gains(found, path)
     plant = derive_plant(model.spec)
     missed = float(np.max(np.abs(plant.Phi(q_d))))
     if not missed <= 1e3 * ON_SURFACE * max(1.0, float(np.max(np.abs(q_d)))):
@@ -92,6 +96,18 @@ def _read(path: Path) -> _Saved:
     except ValidationError as error:
         first = error.errors()[0]
         raise InputError(f"{path}: no design.json: `{'.'.join(map(str, first['loc']))}`: {first['msg']}") from error
+
+
+def _check_gains(gains: dict[str, Array], path: Path) -> None:
+    """Refuse gains that no design has: the theory is one of symmetric W, C and G_f, and of G_f >= 0."""
+    for name, value in gains.items():
+        if not np.max(np.abs(value)) <= LARGEST:
+            raise InputError(f"{path}: `gains.{name}` has entries beyond {LARGEST:g}")
+        if name != "bias" and not np.array_equal(value, value.T):
+            raise InputError(f"{path}: `gains.{name}` must be symmetric")
+    least = float(np.linalg.eigvalsh(gains["G_f"])[0])
+    if least < -ROUNDING * float(np.max(np.abs(gains["G_f"]))):
+        raise InputError(f"{path}: `gains.G_f` must not be negative, and has the eigenvalue {least:.3g}")
 
 
 def _shaped(values: list[float] | Rows, shape: tuple[int, ...], name: str, path: Path) -> Array:

@@ -102,7 +102,10 @@ _SCHEMA = "Print the JSON Schema of model files, for editors that complete and c
 
 
 def _tolerance(text: str) -> float:
-    value = float(text)
+    try:
+        value = float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is no number") from None
     if not LEAST_TOLERANCE <= value <= MOST_TOLERANCE:
         raise argparse.ArgumentTypeError(f"{text} is not between {LEAST_TOLERANCE:g} and {MOST_TOLERANCE:g}")
     return value

@@ -28,13 +28,17 @@ def run(arguments: argparse.Namespace) -> int:
         model, loop = load_target(arguments.target, progress)
         progress("reading the scenarios")
         scenarios = _chosen(_scenarios(arguments.scenario, model, loop), arguments.only)
+        from firmtouch.regulation.operating_point import OffSurfaceError
         from firmtouch.report import write_files
         from firmtouch.simulation.trial import run_all
 
         runs: list[Run] = []
         for each in scenarios:
             progress(f"simulating {each.name}")
-            runs += run_all(loop, [each], tolerance=arguments.tolerance)
+            try:
+                runs += run_all(loop, [each], tolerance=arguments.tolerance)
+            except OffSurfaceError as error:
+                raise InputError(f"scenario `{each.name}` cannot start where it shall: {error}") from error
         contents = _contents(model, loop, tuple(runs))
         folder = Path(arguments.out) if arguments.out is not None else Path("reports") / model.name / "simulation"
         progress("writing")

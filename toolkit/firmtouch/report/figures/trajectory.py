@@ -11,6 +11,7 @@ from firmtouch.mechanics import Array
 from firmtouch.modelfile.vector_units import units_of
 from firmtouch.regulation import OperatingPoint
 from firmtouch.report.figures.canvas import FORCE, MUTED, as_svg, new_figure, styled
+from firmtouch.report.numbers import number
 
 if TYPE_CHECKING:
     from firmtouch.simulation.trial import Run
@@ -21,6 +22,8 @@ MOST_DRAWN: Final = 1200
 """Instants that a line is drawn through."""
 MOST_COLUMNS: Final = 7
 HEIGHT: Final = 2.4
+SMALLEST_PLAIN, LARGEST_PLAIN = 1e-3, 1e5
+"""Numbers beyond these are written with powers of ten."""
 
 
 def run_picture(run: Run, op: OperatingPoint, prefix: str) -> str:
@@ -51,6 +54,7 @@ def run_picture(run: Run, op: OperatingPoint, prefix: str) -> str:
             axes.set_xlabel("time, s", fontsize=7.5)
             axes.tick_params(labelsize=7)
             axes.margins(x=0.01)
+            _write_numbers_out(axes)
         _legend(figure, names, constraints)
         return as_svg(figure, prefix)
 
@@ -87,6 +91,15 @@ def _lines(
     least = 1e-6 * max(1.0, abs(low), abs(high))
     if high - low < least:  # a line that rests is no noise to be magnified
         axes.set_ylim(low - 1e3 * least, high + 1e3 * least)
+
+
+def _write_numbers_out(axes: Any) -> None:  # noqa: ANN401  # matplotlib
+    """Put no common factor or summand above the axis, which would push the title out of the picture."""
+    largest = max(abs(each) for each in axes.get_ylim())
+    if SMALLEST_PLAIN <= largest < LARGEST_PLAIN:
+        axes.ticklabel_format(axis="y", style="plain", useOffset=False)
+    else:
+        axes.yaxis.set_major_formatter(lambda value, _: number(value, 2))
 
 
 def _name(axes: Any, title: str, unit: str) -> None:  # noqa: ANN401  # matplotlib

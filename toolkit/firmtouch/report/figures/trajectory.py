@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Final
 
@@ -117,5 +118,6 @@ def _legend(figure: Any, names: list[str], constraints: list[str]) -> None:  # n
     handles += [line(FORCES[i % len(FORCES)]) for i in range(len(constraints))]
     handles.append(Line2D([], [], color=MUTED, alpha=0.45, linewidth=2.6))
     labels = [*names, *constraints, "linear prediction"]
-    columns = min(len(labels), MOST_COLUMNS)
+    rows = math.ceil(len(labels) / MOST_COLUMNS)
+    columns = math.ceil(len(labels) / rows)  # rows of one length
     figure.legend(handles, labels, loc="lower center", ncols=columns, fontsize=7.5, handlelength=1.6)

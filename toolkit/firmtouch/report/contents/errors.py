@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 
 from firmtouch.design import Design
@@ -13,6 +15,8 @@ from firmtouch.report.document import Block, Equation, Line, Math, Matrices, Par
 from firmtouch.report.numbers import number, vector
 from firmtouch.simulation.steady import EXACT, SimulatedError
 from firmtouch.simulation.trajectory import Outcome
+
+NO_BREAK: Final = "\N{NO-BREAK SPACE}"
 
 
 def section(design: Design) -> Section:
@@ -103,7 +107,7 @@ def _worst(design: Design) -> Table:
     caption += (
         " Simulated: what the nonlinear loop came to rest with, how far that is from the prediction, relative to it, "
         "and the order with which this falls as the cause is halved twice: 1 where the prediction is exact in first "
-        "order."
+        "order, and none where the deviation turns its direction meanwhile."
     )
     return Table(tuple(headings), tuple(rows), frozenset({2}), (caption,), frozenset({3, 4, 5}))
 
@@ -113,12 +117,12 @@ def _simulated(found: SimulatedError | None, unit: str) -> Line:
         return ("",)
     whole = found.parts[0] == 1
     share = "" if whole else f" for {number(float(found.parts[0]), 2)} of it"
-    value = f"{number(float(np.linalg.norm(found.effects[0])), 3)} {unit}".rstrip()
     if found.outcome is not Outcome.CONVERGED:
-        return (f"{value}{share}: {found.outcome.value}",)
+        return (f"{found.outcome.value}{share}",)  # where that happened is no effect of the kind that is predicted
+    value = f"{number(float(np.linalg.norm(found.effects[0])), 3)}{NO_BREAK}{unit}".rstrip()
     off = number(100 * float(found.deviations[0]), 2) if found.deviations[0] > EXACT else "0"
-    order = "" if np.isnan(found.order) else f", order {number(found.order, 2)}"
-    return (f"{value}{share}, {off} % off{order}",)
+    order = "" if np.isnan(found.order) else f", order{NO_BREAK}{number(found.order, 2)}"
+    return (f"{value}{share}, {off}{NO_BREAK}%{NO_BREAK}off{order}",)
 
 
 def _bound(bound: float | Array, unit: str) -> str:

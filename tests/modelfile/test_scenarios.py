@@ -366,7 +366,7 @@ class TestTheModelsDrivesAndWalls:
 class TestDamagedFiles:
     """Untrusted input: always scenarios or a list of mistakes, never another error."""
 
-    COUNT = 250
+    COUNT = 120
     PIECES = (
         "1 mm", "-1 mm", "1e999", ".nan", "-.inf", "0", "-1", "1", "2", "1e15", "9" * 400, "yes", "~", "null", "true", "[]", "{}", "''", "[[[[1]]]]",
         "!!python/object/apply:os.system [id]", "&a 1", "*a", "<<", "x", "y", "table", "9**9**9 m", "exp(exp(exp(100)))", "(" * 60,
@@ -420,7 +420,7 @@ class TestDamagedFiles:
         # Damage that makes only rubbish, or none, tests little.
         assert min(found["read"], found["refused"]) > self.COUNT // 20
 
-    @pytest.mark.parametrize("content", [b"\xff\xfe", b"\x00" * 100, b"a" * 10_000_000, b"[" * 10_000, b"{a: " * 5000], ids=["utf16", "zeros", "long", "brackets", "braces"])  # fmt: skip
+    @pytest.mark.parametrize("content", [b"\xff\xfe", b"\x00" * 100, b"a" * 3_000_000, b"[" * 2_000, b"{a: " * 1000], ids=["utf16", "zeros", "long", "brackets", "braces"])  # fmt: skip
     def test_rubbish_is_refused(self, content, model):
         with pytest.raises(ModelFileError):
             parse_scenarios(content, model, file="runs.yaml")

@@ -39,6 +39,10 @@ scenarios:
 """
 
 
+def simulate(*arguments) -> int:
+    return main(["simulate", *map(str, arguments)])
+
+
 @pytest.fixture
 def scenarios(tmp_path):
     def write(text) -> Path:
@@ -53,7 +57,7 @@ def scenarios(tmp_path):
 def usual(tmp_path_factory) -> Path:
     """The folder of the pendulum's usual scenarios."""
     folder = tmp_path_factory.mktemp("usual") / "made" / "for it"
-    assert main(["simulate", str(PENDULUM), "--out", str(folder)]) == 0
+    assert simulate(PENDULUM, "--out", str(folder)) == 0
     return folder
 
 
@@ -124,14 +128,14 @@ class TestTheFiles:
     def test_the_default_folder_is_named_after_the_model(self, tmp_path, monkeypatch, capsys, scenarios):
         file = scenarios(TWO)
         monkeypatch.chdir(tmp_path)
-        assert main(["simulate", str(PENDULUM), "--scenario", str(file)]) == 0
+        assert simulate(PENDULUM, "--scenario", file, "--only", "still") == 0
         found = listed(tmp_path / "reports" / "pendulum_rod" / "simulation")
-        assert found == {"simulation.json", "simulation.html", "push.csv", "still.csv"}
+        assert found == {"simulation.json", "simulation.html", "still.csv"}
 
 
 class TestWhatIsPrinted:
     def test_a_line_for_each_scenario_and_the_files(self, tmp_path, capsys, scenarios):
-        assert main(["simulate", str(PENDULUM), "--scenario", str(scenarios(TWO)), "--out", str(tmp_path / "out")]) == 0
+        assert simulate(PENDULUM, "--scenario", scenarios(TWO), "--out", tmp_path / "out") == 0
         printed = capsys.readouterr()
         lines = printed.out.splitlines()
         assert printed.err == ""
@@ -159,30 +163,13 @@ class TestWhatIsPrinted:
         ]
 
     def test_only_one(self, tmp_path, capsys, scenarios):
-        assert (
-            main(
-                [
-                    "simulate",
-                    str(PENDULUM),
-                    "--scenario",
-                    str(scenarios(TWO)),
-                    "--only",
-                    "still",
-                    "--out",
-                    str(tmp_path / "out"),
-                ]
-            )
-            == 0
-        )
+        assert simulate(PENDULUM, "--scenario", scenarios(TWO), "--only", "still", "--out", tmp_path / "out") == 0
         assert listed(tmp_path / "out") == {"simulation.json", "simulation.html", "still.csv"}
         assert "push" not in capsys.readouterr().out
 
     def test_json_on_stdout_is_the_file(self, tmp_path, capsys, scenarios):
         assert (
-            main(
-                ["simulate", str(PENDULUM), "--scenario", str(scenarios(TWO)), "--out", str(tmp_path / "out"), "--json"]
-            )
-            == 0
+            simulate(PENDULUM, "--scenario", scenarios(TWO), "--out", tmp_path / "out", "--only", "push", "--json") == 0
         )
         printed = capsys.readouterr()
         assert printed.out == (tmp_path / "out" / "simulation.json").read_text(encoding="utf-8")
@@ -195,7 +182,7 @@ class TestWhatIsPrinted:
             "scenarios:\n  still: {duration: 1 s}\n  pull: {disturbances: [{force: {q1: 25 N*m}, from: 0.1 s}]}\n"
         )
         monkeypatch.setattr("firmtouch.cli.simulate.results_console", lambda: on_terminal(width))
-        assert main(["simulate", str(CIRCLE), "--scenario", str(file), "--out", str(tmp_path / "out")]) == 1
+        assert simulate(CIRCLE, "--scenario", file, "--out", tmp_path / "out") == 1
         printed = capsys.readouterr().out
         table = printed[: printed.index("  " + str(tmp_path))]
         lines = [line.rstrip() for line in table.splitlines()]
@@ -224,7 +211,7 @@ def on_terminal(width):
 class TestTheAnswerIsNo:
     def test_lost_contact_is_told_with_its_time(self, tmp_path, capsys, scenarios):
         text = "scenarios: {pull: {disturbances: [{force: {q1: 25 N*m}, from: 0.1 s}]}}"
-        assert main(["simulate", str(CIRCLE), "--scenario", str(scenarios(text)), "--out", str(tmp_path / "out")]) == 1
+        assert simulate(CIRCLE, "--scenario", scenarios(text), "--out", tmp_path / "out") == 1
         assert "lost contact at 0.2179 s: from there on `rim` would have to pull" in capsys.readouterr().out
         (run,) = strict((tmp_path / "out" / "simulation.json").read_text())["scenarios"]
         assert run["outcome"] == "contact_lost"
@@ -236,10 +223,7 @@ class TestTheAnswerIsNo:
         assert "lost contact at 0.2179 s" in html
 
     def test_an_unstable_potential_diverges_and_says_when(self, tmp_path, capsys, scenarios):
-        assert (
-            main(["simulate", str(PENDULUM), "--scenario", str(scenarios(UNSTABLE)), "--out", str(tmp_path / "out")])
-            == 1
-        )
+        assert simulate(PENDULUM, "--scenario", scenarios(UNSTABLE), "--out", tmp_path / "out") == 1
         lines = capsys.readouterr().out.splitlines()
         falls, still = strict((tmp_path / "out" / "simulation.json").read_text())["scenarios"]
         assert (falls["outcome"], falls["controller"]) == ("diverged", 5)
@@ -256,7 +240,7 @@ class TestTheAnswerIsNo:
         data["operating_point"]["q_d"] = {"x": "0 m", "y": "-2 m"}
         path = tmp_path / "model.yaml"
         path.write_text(json.dumps(data))
-        assert main(["simulate", str(path), "--out", str(tmp_path / "out")]) == 1
+        assert simulate(path, "--out", tmp_path / "out") == 1
         assert capsys.readouterr().err.startswith("no design: ")
         assert not (tmp_path / "out").exists()
 
@@ -275,7 +259,7 @@ class TestTheQuestionWasWrong:
     @pytest.mark.parametrize(("text", "words"), WRONG.values(), ids=list(WRONG))
     def test_a_scenario_that_cannot_be(self, text, words, tmp_path, capsys, scenarios):
         path = scenarios(text)
-        assert main(["simulate", str(PENDULUM), "--scenario", str(path), "--out", str(tmp_path / "out")]) == 2
+        assert simulate(PENDULUM, "--scenario", path, "--out", tmp_path / "out") == 2
         printed = capsys.readouterr()
         assert printed.out == ""
         (line,) = printed.err.splitlines()
@@ -284,33 +268,29 @@ class TestTheQuestionWasWrong:
 
     def test_both_things_that_only_the_loop_can_tell_are_told_at_once(self, tmp_path, capsys, scenarios):
         text = WRONG["noise"][0] + WRONG["gradient"][0].partition("\n")[2].replace("  a:", "  b:")
-        assert (
-            main(["simulate", str(PENDULUM), "--scenario", str(scenarios(text)), "--out", str(tmp_path / "out")]) == 2
-        )
+        assert simulate(PENDULUM, "--scenario", scenarios(text), "--out", tmp_path / "out") == 2
         assert len(capsys.readouterr().err.splitlines()) == 2
 
     def test_noise_with_samples_is_drawn(self, tmp_path, scenarios):
         text = "scenarios: {a: {duration: 50 ms, force_path: {sample: 5 ms}, noise: {position: 0.1 mm}}}"
-        assert (
-            main(["simulate", str(PENDULUM), "--scenario", str(scenarios(text)), "--out", str(tmp_path / "out")]) == 0
-        )
+        assert simulate(PENDULUM, "--scenario", scenarios(text), "--out", tmp_path / "out") == 0
         (run,) = strict((tmp_path / "out" / "simulation.json").read_text())["scenarios"]
         assert run["largest_position_error"] > 1e-7
 
     @pytest.mark.parametrize(
         ("arguments", "words"),
         [
-            ([str(PENDULUM), "--only", "fall"], "no scenario `fall`; there are: start_error, force_step, offset, tilt"),
+            ([PENDULUM, "--only", "fall"], "no scenario `fall`; there are: start_error, force_step, offset, tilt"),
             (["missing.yaml"], "missing.yaml: cannot be read"),
             (["missing.json"], "missing.json: cannot be read"),
-            ([str(PENDULUM), "--scenario", "missing.yaml"], "missing.yaml: cannot be read"),
+            ([PENDULUM, "--scenario", "missing.yaml"], "missing.yaml: cannot be read"),
             ([str(ROOT / "models")], "this folder holds no design.json; `firmtouch design MODEL --out"),
         ],
         ids=["name", "model", "design", "scenarios", "folder"],
     )
     def test_what_is_not_there(self, arguments, words, tmp_path, monkeypatch, capsys):
         monkeypatch.chdir(tmp_path)
-        assert main(["simulate", *arguments]) == 2
+        assert simulate(*arguments) == 2
         printed = capsys.readouterr()
         assert printed.out == ""
         assert words in printed.err
@@ -322,18 +302,13 @@ class TestTheQuestionWasWrong:
     )
     def test_a_tolerance_that_is_none(self, value, words, capsys):
         with pytest.raises(SystemExit) as ended:
-            main(["simulate", str(PENDULUM), "--tolerance", value])
+            simulate(PENDULUM, "--tolerance", value)
         assert ended.value.code == 2
         assert words in capsys.readouterr().err
 
     def test_a_folder_that_cannot_be_made(self, tmp_path, capsys, scenarios):
         (tmp_path / "file").write_text("")
-        assert (
-            main(
-                ["simulate", str(PENDULUM), "--scenario", str(scenarios(TWO)), "--out", str(tmp_path / "file" / "out")]
-            )
-            == 2
-        )
+        assert simulate(PENDULUM, "--scenario", scenarios(TWO), "--out", tmp_path / "file" / "out") == 2
         printed = capsys.readouterr()
         assert printed.out == ""
         assert "cannot be written" in printed.err
@@ -347,7 +322,7 @@ def test_a_model_and_its_design_give_the_same_numbers(usual, tmp_path):
     runs = strict((usual / "simulation.json").read_text())["scenarios"]
     assert strict((folder / "design.json").read_text())["simulation"]["scenarios"] == runs
     for target, only in ((folder, "tilt"), (folder / "design.json", "start_error")):
-        assert main(["simulate", str(target), "--only", only, "--out", str(tmp_path / only)]) == 0
+        assert simulate(target, "--only", only, "--out", tmp_path / only) == 0
         assert (tmp_path / only / f"{only}.csv").read_bytes() == (usual / f"{only}.csv").read_bytes()
         (run,) = strict((tmp_path / only / "simulation.json").read_text())["scenarios"]
         assert run in runs

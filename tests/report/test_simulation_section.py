@@ -50,17 +50,18 @@ def numbers(words):
 
 
 @pytest.fixture(scope="module")
-def told(tried):
-    """The section on simulations, with its pictures."""
-    return simulation.section(tried)
+def whole():
+    """A design and its section on simulations, with the pictures."""
+    design = tried_out("planar_3r_wall")
+    return design, simulation.section(design)
 
 
 class TestTheSection:
     def test_without_a_trial_there_is_none(self, tried):
         assert simulation.section(replace(tried, trial=None)) is None
 
-    def test_a_row_and_a_picture_for_each_run(self, tried, told):
-        blocks = told.blocks
+    def test_a_row_and_a_picture_for_each_run(self, whole):
+        tried, blocks = whole[0], whole[1].blocks
         (table,) = [each for each in blocks if isinstance(each, Table)]
         figures = [each for each in blocks if isinstance(each, Figure)]
         assert len(table.rows) == len(figures) == len(tried.trial.runs)
@@ -68,9 +69,9 @@ class TestTheSection:
             assert run.trajectory.reason.replace("q_d", "[q_d]").replace("`", "") in text(figure.caption)
             assert run.trajectory.scenario.title in figure.alt
 
-    def test_the_numbers_are_those_of_the_trajectories(self, tried, told):
-        (table,) = [each for each in told.blocks if isinstance(each, Table)]
+    def test_the_numbers_are_those_of_the_trajectories(self, tried):
         op = tried.loop.operating_point
+        table = simulation._table(tried.trial.runs, op)
         for row, run in zip(table.rows, tried.trial.runs, strict=True):
             trajectory, cells = run.trajectory, [text(each) for each in row]
             assert cells[1] == trajectory.outcome.value
@@ -273,8 +274,9 @@ class TestThePictures:
             np.testing.assert_array_equal(np.column_stack([each.get_ydata() for each in front]), mine - shift)
         assert len([each for each in drive.lines if len(each.get_ydata()) > 2]) == n
 
-    def test_twice_drawn_is_the_same_to_the_byte(self, tried, told):
-        first = next(each for each in told.blocks if isinstance(each, Figure))
+    def test_twice_drawn_is_the_same_to_the_byte(self, whole):
+        tried, section = whole
+        first = next(each for each in section.blocks if isinstance(each, Figure))
         assert run_picture(tried.trial.runs[0], tried.loop.operating_point, "run0") == first.svg
 
     def test_a_trajectory_of_hardly_any_instants_is_drawn(self, tried, drawn):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Final
 
@@ -31,7 +32,7 @@ KEPT: Final = 1e-9
 class RealContact:
     """What the file's contact stiffness does: the poles there, and the least g of G_f = g I that is unstable there.
 
-    None and infinity where the delay is too long for them to be computed.
+    The poles are None where the delay is too long for them to be computed; the gain is infinite if none was found.
     """
 
     poles: ContactPoles | None
@@ -106,8 +107,8 @@ def _real_contact(loop: ClosedLoop, spec: ModelSpec, path: ForcePath) -> RealCon
     if not given:
         return None
     stiffness = frozen([given[name] for name in spec.constraints])
-    try:
+    poles, critical = None, np.inf
+    with suppress(DelayTooLongError):
         poles = poles_in_contact(loop, path, stiffness, spec.design)
-    except DelayTooLongError:
-        return RealContact(None, np.inf)
-    return RealContact(poles, critical_feedback(loop, path, stiffness))
+        critical = critical_feedback(loop, path, stiffness)
+    return RealContact(poles, critical)

@@ -14,6 +14,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from firmtouch.errors import InputError
 from firmtouch.mechanics import Array
 from firmtouch.mechanics.arrays import frozen
 from firmtouch.regulation.closed_loop import ClosedLoop
@@ -64,7 +65,7 @@ def contact_of(loop: ClosedLoop) -> Contact:
     return Contact(C, K, frozen(J), loop.gains.G_f)
 
 
-class DelayTooLongError(ValueError):
+class DelayTooLongError(InputError):
     """The delay is too long beside the contact's own motion for its poles to be computed."""
 
 
@@ -86,7 +87,10 @@ def contact_poles(contact: Contact, path: ForcePath, stiffness: Array) -> Comple
     else:
         order = order_for(path.delay * contact.fastest(stiffness))
         if order * len(stiffness) > MOST_STATES:
-            raise DelayTooLongError(f"a delay line of {order} states for each of {len(stiffness)} constraints")
+            raise DelayTooLongError(
+                f"a delay of {path.delay:g} s beside a contact of {np.max(stiffness):.3g} N/m needs {order} states for "
+                f"each constraint; {MOST_STATES} in all are computed"
+            )
         poles = _continuous(contact, path, stiffness, order)
         if path.delay:
             poles = poles[np.abs(poles) * path.delay <= order]

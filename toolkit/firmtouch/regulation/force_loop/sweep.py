@@ -125,8 +125,8 @@ def contact_stiffness_sweep(
 ) -> StiffnessSweep:
     """Sweep a common stiffness of all constraints, 1e3 to 1e7 (N/m, or N m/rad) unless told otherwise.
 
-    Without a path L = 1. `design` says what is asked of the poles; without it their places are. The sweep ends earlier where a long delay
-    would need more states than are computed.
+    Without a path L = 1. `design` says what is asked of the poles; without it, their places are. The sweep ends earlier
+    where a long delay would need more states than are computed.
     """
     contact, path, goal = contact_of(loop), path or ForcePath(), _goal(loop, design)
     each = np.ones(loop.operating_point.m)
@@ -151,26 +151,29 @@ def contact_stiffness_sweep(
 
 
 def critical_feedback(loop: ClosedLoop, path: ForcePath | None, stiffness: Array) -> float:
-    """Give the least g > 0 for which G_f = g I puts a pole on the edge of stability [T9]; infinite up to 1e6.
+    """Give the least g > 0 for which G_f = g I puts a pole on the edge of stability [T9].
 
     The stiffnesses are those of the constraints (m); the loop's own G_f plays no part. Found on a grid of 10 points a
-    decade, then by bisection.
+    decade up to 1e6, then by bisection; infinite if there is none, and 0 if the loop is not stable without feedback.
+
+    Raises
+    ------
+    DelayTooLongError
+        If the delay is too long beside the contact's motion for the poles to be computed.
     """
     contact, path, stiffness = contact_of(loop), path or ForcePath(), np.asarray(stiffness, dtype=float)
     eye = np.eye(loop.operating_point.m)
 
     def stable(g: float) -> bool:
-        return bool(contact_poles(contact.with_feedback(g * eye), path, stiffness)[0].real < 0)
+        at = path if g else ForcePath()
+        return bool(contact_poles(contact.with_feedback(g * eye), at, stiffness)[0].real < 0)
 
     if not stable(0.0):
         return 0.0
     last = 0.0
     for g in np.geomspace(1e-3, _STRONGEST, 1 + 9 * PER_DECADE):
-        try:
-            if not stable(float(g)):
-                return _bisect(last, float(g), lambda each: not stable(each))
-        except DelayTooLongError:
-            break
+        if not stable(float(g)):
+            return _bisect(last, float(g), lambda each: not stable(each))
         last = float(g)
     return np.inf
 

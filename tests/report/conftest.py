@@ -44,6 +44,11 @@ class Report:
         return json.loads(json.dumps(design_as_json(self.design), allow_nan=False))
 
     @property
+    def pictures(self) -> int:
+        """How many pictures there must be: mechanism, poles, eigenvalues, and two of a force loop with a path."""
+        return 3 if self.model.spec.force_path is None else 5
+
+    @property
     def figures(self) -> list[Figure]:
         return [block for section in self.document.sections for block in section.blocks if isinstance(block, Figure)]
 

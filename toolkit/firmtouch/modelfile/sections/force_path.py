@@ -69,7 +69,7 @@ class ForceMargins(Section):
         return self
 
 
-USUAL_MARGINS: Final = ForceMargins(gain=2.0, modulus=0.5)
+USUAL_MARGINS: Final = ForceMargins.model_construct(gain=2.0, delay=None, modulus=0.5)
 """What is asked where G_f is to be chosen and the file asks for no margins."""
 
 

@@ -77,7 +77,7 @@ def pendulum_with() -> Callable[..., Report]:
     def make(**sections) -> Report:
         data = YAML(typ="safe", pure=True).load(text)
         for key, value in sections.items():
-            data[key] = data[key] | value if isinstance(value, dict) else value
+            data[key] = data.get(key, {}) | value if isinstance(value, dict) else value
         return Report(firmtouch.parse_model(json.dumps(data).encode(), name="pendulum"))
 
     return make

@@ -34,7 +34,7 @@ def with_chosen_force_feedback(spec: ModelSpec) -> ModelSpec:
             limit = (admissible,) * spec.m
             region = region.model_copy(update={"force_feedback_limit": limit})
     if design.force_feedback == "auto":
-        g = min(admissible, *(limit or ()))
+        g = min((admissible, *(limit or ())))
         matrix = tuple(tuple(float(each) for each in row) for row in g * np.eye(spec.m))
         design = design.model_copy(update={"force_feedback": matrix})
         given = given.model_copy(update={"margins": given.margins or USUAL_MARGINS})

@@ -155,7 +155,7 @@ def _contact(design: Design, force: ForceLoop) -> Iterator[Block]:
     sampled = "(here over one sample of the controller, exactly). " if force.path.sample else ""
     yield Paragraph((sampled, _stability(force.sweep, _unit(design)), " ", _kept_from(force.sweep, _unit(design))))
     if force.given and force.sweep.points:
-        if any(np.isinf(each.high) for each in force.sweep.unstable):
+        if force.stable and force.sweep.unstable:
             yield Paragraph(
                 (
                     "A stiff contact swings, with no more damping than ",

@@ -12,7 +12,7 @@ import pytest
 import firmtouch
 
 ROOT = Path(__file__).parents[1]
-PARTS = ("mechanics", "regulation", "synthesis", "checks", "modelfile", "report")
+PARTS = ("mechanics", "regulation", "regulation.force_loop", "synthesis", "checks", "modelfile", "report")
 HEAVY = ("casadi", "sympy", "cvxpy", "control", "scipy", "matplotlib", "pydantic", "numpy", "typst", "pint", "rich")
 
 

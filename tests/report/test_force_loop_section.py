@@ -83,6 +83,7 @@ def test_the_contact_is_told_with_its_unstable_stiffnesses_and_the_files_own(lat
     assert f"The loop is unstable from {float(f'{span.low:.2e}'):.0f} to 7.93×10⁶ N/m." in told(section)
     assert span.high == pytest.approx(7.93e6, rel=1e-3)
     assert "For the contact of the file, 10000 N/m, the loop is unstable" in told(section)
+    assert f"unstable from g = {force.contact.critical_gain:.4g} on" in told(section)
     assert any("contact_stiffness" in each for each in late.design.warnings)
 
 
@@ -109,8 +110,15 @@ def test_the_nyquist_curve_begins_at_g_and_crosses_the_axis_at_g_over_the_bound(
     assert GOOD not in svg
 
 
-@pytest.mark.parametrize("gains", [[0.0], [1000.0], [0.1 * i for i in range(1, 9)], [0.5, 0.5]])
-@pytest.mark.parametrize("path", [ForcePath(), ForcePath(lag=MS), ForcePath(delay=MS), ForcePath(sample=MS)])
+@pytest.mark.parametrize(
+    ("path", "gains"),
+    [
+        (ForcePath(), [0.0]),
+        (ForcePath(lag=MS), [1000.0]),
+        (ForcePath(delay=MS), [0.1 * i for i in range(1, 9)]),
+        (ForcePath(sample=MS), [0.5, 0.5, 0.7]),
+    ],
+)
 def test_a_nyquist_picture_is_drawn_whatever_the_gains_and_shows_minus_one(path, gains):
     svg = nyquist_picture(path, gains, 0.5)
     (left, top), (right, bottom) = frame(svg)

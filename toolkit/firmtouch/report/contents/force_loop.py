@@ -219,18 +219,14 @@ def _stated(force: ForceLoop, unit: str) -> Line:
         return ("The delay is too long for the poles of the file's contact to be computed.",)
     values = ", ".join(number(float(each)) for each in dict.fromkeys(poles.stiffness.tolist()))
     state = "stable" if poles.stable else "unstable"
+    found = f"For the contact of the file, {values} {unit}, the loop is {state}, its slowest pole at "
+    found += f"{pole_pair(poles.poles[0])} 1/s"
     critical = force.contact.critical_gain
-    limit = (
-        "no force feedback makes it unstable"
-        if np.isinf(critical)
-        else f"it becomes unstable at G_f = g I with g = {number(critical)}"
-        if critical
-        else "it is unstable without force feedback too"
-    )
-    return (
-        f"For the contact of the file, {values} {unit}, the loop is {state}: its slowest pole is at "
-        f"{pole_pair(poles.poles[0])} 1/s, and {limit}.",
-    )
+    if np.isinf(critical):
+        return (f"{found}; no force feedback that was tried makes it unstable.",)
+    if critical == 0:
+        return (f"{found}; without force feedback it is unstable too.",)
+    return (f"{found}; with ", Math("G_f = g I"), f" it is unstable from g = {number(critical)} on.")
 
 
 def _over_stiffness(design: Design, force: ForceLoop) -> Figure:

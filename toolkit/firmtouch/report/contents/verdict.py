@@ -21,9 +21,16 @@ def verdict(design: Design) -> str:
     return (
         f"{_standing(design)}: {_loop(design)}, {matrices}, "
         f"and all {len(design.checks.results)} model checks hold; "
-        f"after any small disturbance the mechanism returns to q_d and its constraint force"
+        f"{_signal(design)}after any small disturbance the mechanism returns to q_d and its constraint force"
         f"{'s' if spec.m > 1 else ''} to lambda_d{settling(design)}."
     )
+
+
+def _signal(design: Design) -> str:
+    """Say for which force signal the promise is made, where the file's own breaks it."""
+    if design.force_loop.stable:
+        return ""
+    return "with the file's `force_path` the force loop is unstable, and only with a force signal that came at once, "
 
 
 def _standing(design: Design) -> str:

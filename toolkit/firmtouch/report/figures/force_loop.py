@@ -10,6 +10,7 @@ import numpy as np
 from firmtouch.mechanics import Array
 from firmtouch.regulation.force_loop import ForcePath, StiffnessSweep
 from firmtouch.report.figures.canvas import ARM, FAINT, FORCE, GOOD, INK, MUTED, as_svg, new_figure, styled
+from firmtouch.report.numbers import number
 
 MOST_CURVES: Final = 4
 """More loops than this make a picture that nobody reads: then the weakest and the strongest are drawn."""
@@ -94,12 +95,20 @@ def stiffness_picture(
         axes.set_ylabel("real part, 1/s", fontsize=8)
         axes.tick_params(which="both", labelsize=8)
         axes.minorticks_off()
+        # words instead of matplotlib's own 10^k, which is formula type and takes half of the drawing's time
         decades = 10.0 ** np.arange(np.ceil(np.log10(linear)), 9)
-        axes.set_yticks([*-decades[decades <= -bottom], 0, *decades[decades <= 2 * top]])
+        heights = [*-decades[decades <= -bottom][::-1], 0.0, *decades[decades <= 2 * top]]
+        axes.set_yticks(heights, [number(each) for each in heights])
+        powers = 10.0 ** np.arange(np.ceil(np.log10(k[0] * 0.999)), np.floor(np.log10(k[-1] * 1.001)) + 1)
+        axes.set_xticks(powers, [_power(each) for each in powers])
         handles, labels = axes.get_legend_handles_labels()
         once = dict(zip(labels, handles, strict=True))
         figure.legend(once.values(), once.keys(), loc="outside upper center", ncols=4, fontsize=8)
         return as_svg(figure, "stiffness")
+
+
+def _power(value: float) -> str:
+    return number(value).replace("1×", "") if value >= 1e5 else number(value)
 
 
 def _all_poles(sweep: StiffnessSweep) -> tuple[Array, Array, Array]:

@@ -9,6 +9,7 @@ import pytest
 from tests.report.test_figures import frame, markers, parsed, words
 
 from firmtouch.regulation.force_loop import ForcePath, contact_stiffness_sweep
+from firmtouch.report import verdict
 from firmtouch.report.contents import force_loop
 from firmtouch.report.document import Equation, Figure, Math, Paragraph, Table
 from firmtouch.report.figures import nyquist_picture, stiffness_picture
@@ -36,6 +37,7 @@ def late(pendulum_with):
 def test_without_a_force_path_the_section_is_short_and_says_what_to_give(shipped_report):
     report = shipped_report("pendulum_rod")
     section = force_loop.section(report.design)
+    assert "only with" not in verdict(report.design)
     assert "[T7]" in told(section)
     assert "force_path" in told(section)
     assert "All poles are stable" in told(section)
@@ -60,6 +62,7 @@ def test_an_unstable_loop_is_told_as_such(pendulum_with):
     assert first[4:] == ["unstable", "unstable"]
     assert kept[3:] == ["NO", "NO", "NO"]
     assert any("The force loop is unstable" in each for each in report.design.warnings)
+    assert "only with a force signal that came at once, after any small disturbance" in verdict(report.design)
 
 
 @pytest.mark.parametrize(
@@ -85,6 +88,7 @@ def test_the_contact_is_told_with_its_unstable_stiffnesses_and_the_files_own(lat
     assert "For the contact of the file, 10000 N/m, the loop is unstable" in told(section)
     assert f"unstable from g = {force.contact.critical_gain:.4g} on" in told(section)
     assert any("contact_stiffness" in each for each in late.design.warnings)
+    assert "only with a rigid contact, after any small disturbance" in verdict(late.design)
 
 
 def test_the_figures_are_those_of_the_design(late):

@@ -88,12 +88,12 @@ def test_a_low_pass_is_borne_as_long_as_the_contacts_damping_is_greater_than_g_o
 @pytest.mark.parametrize("k_e", [1e3, 1e5])
 def test_the_critical_feedback_of_a_delayed_contact_puts_a_pole_on_the_axis_by_nyquist(path, k_e):
     """1 + g L(jw) H(jw) = 0 with H = k_e / (s^2 + c s + K + k_e): the least real positive -1/(L H)."""
-    w = np.linspace(1, 3e3, 2_000_001)
+    w = np.linspace(1, 3e3, 500_001)
     H = k_e / (-(w**2) + 4j * w + 9 + k_e)
     inverse = -1 / (path.response(w) * H)
     crossings = np.flatnonzero(np.diff(np.sign(inverse.imag)) != 0)
     expected = min(each for each in inverse.real[crossings] if each > 0)
-    # The grid stands 1.5e-3 rad/s apart; near the contact's own frequency the curve turns by a third in c/2 = 2 rad/s.
+    # The grid stands 6e-3 rad/s apart; near the contact's own frequency the curve turns by a third in c/2 = 2 rad/s.
     assert critical_feedback(mass_on_a_wall(0.0), path, [k_e]) == pytest.approx(expected, rel=2e-3)
 
 
@@ -117,7 +117,7 @@ def winding(loop, path, stiffness, reach):
     op, G_f, D = loop.operating_point, loop.gains.G_f, np.diag(stiffness)
     own = poles_in_contact(loop, None, stiffness)
     near = [s.imag + s.real * np.linspace(-8, 8, 801) for s in own.poles]
-    w = np.unique(np.abs(np.concatenate([np.linspace(0, reach, 40_001), *near])))
+    w = np.unique(np.abs(np.concatenate([np.linspace(0, reach, 20_001), *near])))
     s = 1j * w[:, None, None]
     held = op.M * s**2 + loop.gains.C * s + loop.K + op.J.T @ D @ op.J
     L = path.response(w)[:, None, None]
@@ -126,7 +126,7 @@ def winding(loop, path, stiffness, reach):
     return -turn / math.pi  # both halves of the axis, in turns; the arc at infinity adds none, since H falls as 1/w^2
 
 
-@settings(max_examples=12)
+@settings(max_examples=8)
 @given(
     st.sampled_from([(2, 1), (3, 1), (4, 2), (6, 3)]),
     st.integers(0, 10**6),

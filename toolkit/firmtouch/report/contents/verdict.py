@@ -27,10 +27,13 @@ def verdict(design: Design) -> str:
 
 
 def _signal(design: Design) -> str:
-    """Say for which force signal the promise is made, where the file's own breaks it."""
-    if design.force_loop.stable:
-        return ""
-    return "with the file's `force_path` the force loop is unstable, and only with a force signal that came at once, "
+    """Say under which condition the promise is made, where the file's own force path or contact breaks it."""
+    force = design.force_loop
+    if not force.stable:
+        return "with the file's `force_path` the force loop is unstable; only with a force signal that came at once, "
+    if force.contact is not None and force.contact.poles is not None and not force.contact.poles.stable:
+        return "at the file's `contact_stiffness` the loop is unstable; only with a rigid contact, "
+    return ""
 
 
 def _standing(design: Design) -> str:

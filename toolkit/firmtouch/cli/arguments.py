@@ -18,6 +18,8 @@ EXAMPLES = """examples:
 
 exit codes: 0 good, 1 the answer is no, 2 the question was wrong"""
 
+LEAST_TOLERANCE, MOST_TOLERANCE = 1e-14, 1e-2
+
 
 def build_parser() -> argparse.ArgumentParser:
     """Describe the command line."""
@@ -53,6 +55,9 @@ def build_parser() -> argparse.ArgumentParser:
     simulate.add_argument("--scenario", metavar="FILE", help="a scenario file (YAML; default: the usual scenarios)")
     simulate.add_argument("--only", metavar="NAME", help="one scenario alone")
     simulate.add_argument("--out", metavar="DIR", help="where to write (default: reports/<model>/simulation)")
+    simulate.add_argument(
+        "--tolerance", type=_tolerance, default=1e-10, metavar="T", help="of the integrator (default: 1e-10)"
+    )
     simulate.add_argument("--json", action="store_true", help="print simulation.json on stdout instead of words")
     simulate.set_defaults(run=_command("simulate"))
 
@@ -94,6 +99,13 @@ _VERIFY = (
 )
 _NEW = "Write NAME.yaml, a commented model file that works as it is."
 _SCHEMA = "Print the JSON Schema of model files, for editors that complete and check YAML."
+
+
+def _tolerance(text: str) -> float:
+    value = float(text)
+    if not LEAST_TOLERANCE <= value <= MOST_TOLERANCE:
+        raise argparse.ArgumentTypeError(f"{text} is not between {LEAST_TOLERANCE:g} and {MOST_TOLERANCE:g}")
+    return value
 
 
 def _command(name: str) -> Callable[[argparse.Namespace], int]:

@@ -34,7 +34,7 @@ def run(arguments: argparse.Namespace) -> int:
         runs: list[Run] = []
         for each in scenarios:
             progress(f"simulating {each.name}")
-            runs += run_all(loop, [each])
+            runs += run_all(loop, [each], tolerance=arguments.tolerance)
         contents = _contents(model, loop, tuple(runs))
         folder = Path(arguments.out) if arguments.out is not None else Path("reports") / model.name / "simulation"
         progress("writing")

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
 from firmtouch.mechanics import Array
 from firmtouch.mechanics.arrays import frozen
-from firmtouch.regulation import ClosedLoop
-from firmtouch.simulation.scenario import Scenario
+from firmtouch.regulation import ClosedLoop, close_loop
+from firmtouch.regulation.controllers import energy_hessian
+from firmtouch.simulation.scenario import Feedback, Scenario
 from firmtouch.simulation.world import Disturbance
 
 POINTS: Final = 300
@@ -28,7 +29,7 @@ class Prediction:
 
 
 def predict(loop: ClosedLoop, scenario: Scenario) -> Prediction:
-    """Solve the linearised loop exactly, by matrix exponentials, for controllers (15) and (17) and an ideal force path.
+    """Solve the linearised loop of a scenario's controller exactly, by matrix exponentials, for an ideal force path.
 
         M22 x2'' + C22 x2' + K22 x2 = V2^T d - K21 x1,   x1 = S^-1 U^T Delta
         S U^T (I + G_f) dlambda = M12 x2'' + C12 x2' + K12 x2 + K11 x1 - V1^T d
@@ -36,6 +37,7 @@ def predict(loop: ClosedLoop, scenario: Scenario) -> Prediction:
     d is all that acts as a force: the disturbances, a tilt as E^T lambda_d, a rotation as J^T (R^T - I) lambda_d, wrong
     gravity. Drives without limits, and true parameters in gravity alone.
     """
+    loop = _linearised(loop, scenario.feedback)
     op, split = loop.operating_point, loop.split
     M, C, K = (split.blocks(X) for X in (op.M, loop.gains.C, loop.K))
     free, world = op.n - op.m, scenario.world
@@ -49,6 +51,16 @@ def predict(loop: ClosedLoop, scenario: Scenario) -> Prediction:
     dlambda = normal @ np.linalg.inv(np.diag(split.S) @ split.U.T @ (np.eye(op.m) + loop.gains.G_f)).T
     q = op.q_d + x2 @ split.V2.T + split.V1 @ x1
     return Prediction(frozen(times), frozen(q), frozen(op.lambda_d + dlambda))
+
+
+def _linearised(loop: ClosedLoop, feedback: Feedback) -> ClosedLoop:
+    """Give the loop of a controller: without force feedback for (5) and (15), with the stiffness of a given P_d."""
+    op, gains = loop.operating_point, loop.gains
+    if not feedback.controller.feels_force:
+        gains = replace(gains, G_f=frozen(np.zeros((op.m, op.m))))
+    if feedback.P_d is not None:
+        gains = replace(gains, W=frozen(energy_hessian(op, feedback.P_d) - op.P_qq))
+    return close_loop(op, gains)
 
 
 def _respond(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
@@ -13,7 +14,7 @@ from firmtouch.regulation import ClosedLoop, OperatingPoint
 from firmtouch.regulation.equilibrium import Equilibrium, NoEquilibriumError, solve_rest
 from firmtouch.simulation.continuous import ContinuousRun, Integrator, build_integrator, even_points
 from firmtouch.simulation.dae import Dae, Input, derive_dae, parameters_of
-from firmtouch.simulation.ending import contact_signs, lost_contact, ran_away
+from firmtouch.simulation.ending import contact_signs, lost_contact, may_lose_contact, ran_away
 from firmtouch.simulation.samples import Samples
 from firmtouch.simulation.scenario import Scenario
 from firmtouch.simulation.start import consistent_start
@@ -63,13 +64,16 @@ def simulate(
     distance = float(np.max(np.abs(projection.q - op.q_d)))
     signs = contact_signs(op)
 
-    def ended(samples: Samples) -> int | None:
+    def ended(samples: Samples, lost: Callable[[Samples, Array], int | None] = lost_contact) -> int | None:
         away = ran_away(samples, loop, distance)
-        found = [each for each in (lost_contact(samples, signs), away and away[0]) if each is not None]
+        found = [each for each in (lost(samples, signs), away and away[0]) if each is not None]
         return min(found, default=None)
 
+    def suspected(samples: Samples) -> int | None:
+        return ended(samples, may_lose_contact)
+
     if isinstance(machine, Integrator):
-        samples, failed = ContinuousRun(dae, machine, ended).follow(world, x, scenario.duration)
+        samples, failed = ContinuousRun(dae, machine, ended, suspected).follow(world, x, scenario.duration)
     else:
         samples, failed = run_stepwise(dae, machine, scenario, x, ended)
     rest = find_equilibrium(dae, world, float(samples.t[-1]))

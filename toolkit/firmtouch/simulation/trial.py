@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from firmtouch.regulation import ClosedLoop, SteadyState
 from firmtouch.simulation.prediction import Prediction, predict
-from firmtouch.simulation.run import Simulator, build_simulator, simulate
+from firmtouch.simulation.run import TOLERANCE, Simulator, build_simulator, simulate
 from firmtouch.simulation.scenario import Scenario
 from firmtouch.simulation.steady import SimulatedSteadyState, simulate_steady_state
 from firmtouch.simulation.trajectory import Trajectory
@@ -37,6 +37,14 @@ def try_out(loop: ClosedLoop, errors: SteadyState) -> Trial:
     return Trial(run_all(loop, scenarios, simulator), simulate_steady_state(loop, errors, simulator))
 
 
-def run_all(loop: ClosedLoop, scenarios: Iterable[Scenario], simulator: Simulator | None = None) -> tuple[Run, ...]:
-    """Simulate scenarios and predict them; a `simulator` must fit all of them."""
-    return tuple(Run(simulate(loop, each, simulator=simulator), predict(loop, each)) for each in scenarios)
+def run_all(
+    loop: ClosedLoop,
+    scenarios: Iterable[Scenario],
+    simulator: Simulator | None = None,
+    *,
+    tolerance: float = TOLERANCE,
+) -> tuple[Run, ...]:
+    """Simulate scenarios and predict them; a `simulator`, with a tolerance of its own, must fit all of them."""
+    return tuple(
+        Run(simulate(loop, each, simulator=simulator, tolerance=tolerance), predict(loop, each)) for each in scenarios
+    )

@@ -35,7 +35,7 @@ class SimulatedError:
     `parts` are those of the table's worst cause (1, 1/2, 1/4; less where the file bounds none), `effects` (3 x n or m)
     what the loop came to rest with, `deviations` how far each is from the first-order prediction, relative to that.
     `order` is that of the relative deviation at the last halving: 1 where the prediction is exact in first order. It is
-    NaN where nothing deviates, where the deviation changes its direction between the two (it has another order still),
+    NaN where nothing deviates, where the deviation changes its direction (it is not yet of one order),
     and where the loop did not come to rest there, which `outcome` tells.
     """
 
@@ -114,7 +114,8 @@ class _Bench:
         predicted = parts[:, None] * size * worst.effect
         off = np.array(effects) - predicted
         deviations = np.linalg.norm(off, axis=1) / np.linalg.norm(predicted, axis=1)
-        same_way = float(off[-1] @ off[-2]) > TURNED * float(np.linalg.norm(off[-1]) * np.linalg.norm(off[-2]))
+        directions = off / np.maximum(np.linalg.norm(off, axis=1), np.finfo(float).tiny)[:, None]
+        same_way = bool(np.all(np.sum(directions[1:] * directions[:-1], axis=1) > TURNED))
         measurable = outcome is Outcome.CONVERGED and deviations[-1] > EXACT and same_way
         order = float(np.log2(deviations[-2] / deviations[-1])) if measurable else np.nan
         return SimulatedError(frozen(size * parts), frozen(effects), frozen(deviations), order, outcome)

@@ -26,6 +26,11 @@ class Samples:
         """Give the first instants alone."""
         return Samples(self.t[:end], self.x[:, :end], self.lambda_[:, :end], self.u[:, :end], self.Phi[:, :end])
 
+    def since(self, begin: int) -> Samples:
+        """Leave the first instants out."""
+        parts = (each[:, begin:] for each in (self.x, self.lambda_, self.u, self.Phi))
+        return Samples(self.t[begin:], *parts)
+
 
 def joined(parts: Sequence[Samples]) -> Samples:
     """Put stretches one after the other."""

@@ -99,6 +99,8 @@ def find_equilibrium(dae: Dae, world: World, t: float) -> Equilibrium | None:
 def _ended_early(samples: Samples, loop: ClosedLoop, distance: float) -> tuple[Outcome, str] | None:
     """Tell whether the last sample is where the run had to end."""
     op, t = loop.operating_point, float(samples.t[-1])
+    if not np.all(np.isfinite(samples.lambda_[:, -1])):
+        return _failed(t)
     away = ran_away(samples, loop, distance)
     if away is not None:
         return Outcome.DIVERGED, f"diverged at {t:.4g} s: {away[1]}"

@@ -24,7 +24,8 @@ CLOSE: Final = 1e-5
 """How close (s) the kept instants become where a run ends before its time."""
 SHORTEST: Final = 1e-3
 """A stretch that cannot be integrated is halved down to this part of it, to find out when it fails."""
-MOST_STEPS: Final = 100_000
+MOST_STEPS: Final = 10_000
+"""Steps of CVODES after which a stretch is halved: where nothing can be followed, it would go on for ever."""
 
 
 @dataclass(frozen=True, slots=True)

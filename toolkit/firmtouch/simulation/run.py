@@ -21,7 +21,7 @@ from firmtouch.simulation.world import World
 
 TOLERANCE: Final = 1e-10
 ARRIVED: Final = 1e-3
-"""Distance from an equilibrium (rad or m) and speed (per second) that count as rest there, by default."""
+"""Distance from an equilibrium (rad or m), speed (per second) and part of the forces that count as rest there."""
 NEWTON_STEPS: Final = 30
 
 
@@ -84,7 +84,7 @@ def find_equilibrium(dae: Dae, world: World, t: float) -> Equilibrium | None:
     op = dae.loop.operating_point
     parameters = parameters_of(dae, world, t=t)
     at = np.concatenate([op.q_d, op.lambda_d])
-    scale = 1 + float(np.max(np.abs(op.lambda_d))) + float(np.max(np.abs(op.g)))
+    scale = _force_scale(op)
     for _ in range(NEWTON_STEPS):
         error, slope = (each.full() for each in dae.residual(at, parameters))
         if not (np.all(np.isfinite(error)) and np.all(np.isfinite(slope))):
@@ -94,6 +94,10 @@ def find_equilibrium(dae: Dae, world: World, t: float) -> Equilibrium | None:
         if np.max(np.abs(step[: op.n])) < 1e-12 and np.max(np.abs(step[op.n :])) < 1e-12 * scale:
             return Equilibrium(frozen(at[: op.n]), frozen(at[op.n :]))
     return None
+
+
+def _force_scale(op: OperatingPoint) -> float:
+    return 1 + float(np.max(np.abs(op.lambda_d))) + float(np.max(np.abs(op.g)))
 
 
 def _ended_early(samples: Samples, loop: ClosedLoop, distance: float) -> tuple[Outcome, str] | None:
@@ -126,5 +130,11 @@ def _at_the_end(samples: Samples, op: OperatingPoint, rest: Equilibrium | None) 
     if speed > ARRIVED:
         return Outcome.MOVING, f"still moved at {t:.4g} s, at up to {speed:.2g} rad/s or m/s"
     if rest is not None and np.max(np.abs(q - rest.q)) <= ARRIVED:
+        away = float(np.max(np.abs(samples.lambda_[:, -1] - rest.lambda_)))
+        if away > ARRIVED * _force_scale(op):
+            return (
+                Outcome.MOVING,
+                f"the contact force still moved at {t:.4g} s, {away:.3g} (in SI) from its rest",
+            )
         return Outcome.CONVERGED, f"came to rest {where}"
     return Outcome.ELSEWHERE, f"came to rest at another equilibrium, {where}"

@@ -1,5 +1,6 @@
 """Loops of the shipped models, short words for a run, and an integration that shares the plant alone with ours."""
 
+import itertools
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
@@ -31,7 +32,9 @@ def shipped() -> Callable[[str], firmtouch.ClosedLoop]:
         if one_sided:
             text = text.replace("wall: {expression:", "wall: {one_sided: true, expression:")
             assert "one_sided: true" in text
-        op = firmtouch.find_operating_point(firmtouch.derive_plant(firmtouch.parse_model(text.encode(), name=name).spec))
+        op = firmtouch.find_operating_point(
+            firmtouch.derive_plant(firmtouch.parse_model(text.encode(), name=name).spec)
+        )
         return firmtouch.assign_poles(op, op.plant.spec.design)
 
     return get
@@ -76,7 +79,7 @@ def run(scenario) -> Callable[..., Trajectory]:
 def acceleration() -> Callable[..., tuple[np.ndarray, np.ndarray]]:
     """Solve Eq. (4) with a world's constraints, twice differentiated and not stabilised, for q'' and lambda in NumPy."""
 
-    def solve(loop, law, world, q, v, d):
+    def solve(loop, law, world, q, v, *, d):
         op, n, m = loop.operating_point, loop.operating_point.n, loop.operating_point.m
         plant, J = op.plant.with_parameters(world.p), true_surface(op, world).J(q)
         u_0 = law(q, v, np.zeros(m)).full().ravel()
@@ -100,10 +103,10 @@ def reference(acceleration) -> Callable[..., SimpleNamespace]:
         d = d or (lambda t: np.zeros(n))
 
         def rate(t, x):
-            return np.concatenate([x[n:], acceleration(loop, law, world, x[:n], x[n:], d(t))[0]])
+            return np.concatenate([x[n:], acceleration(loop, law, world, x[:n], x[n:], d=d(t))[0]])
 
         x, pieces, times = np.concatenate([q, v]), [], [0.0, *borders, scenario.duration]
-        for begin, end in zip(times[:-1], times[1:], strict=True):
+        for begin, end in itertools.pairwise(times):
             # just inside the piece, so that a change at its border belongs to one side
             inside = slice(begin + 1e-12, end - 1e-12)
             piece = solve_ivp(
@@ -118,7 +121,7 @@ def reference(acceleration) -> Callable[..., SimpleNamespace]:
 
         def lambda_(t):
             x = state(t)
-            return acceleration(loop, law, world, x[:n], x[n:], d(t))[1]
+            return acceleration(loop, law, world, x[:n], x[n:], d=d(t))[1]
 
         return SimpleNamespace(state=state, lambda_=lambda_, final=x)
 

@@ -117,8 +117,8 @@ class ContinuousRun:
         if length < shortest:
             return observed(self.dae, np.array([t]), x[:, None], parameters), t
         left, failed = self._stretch(x, t, length / 2, parameters, shortest=shortest)
-        if failed is not None:
-            return left, failed
+        if failed is not None or self.ended(left.since(-1)) is not None:
+            return left, failed  # what has run away may take ever shorter steps
         right, failed = self._stretch(left.x[:, -1], t + length / 2, length / 2, parameters, shortest=shortest)
         return joined([left, right]), failed
 

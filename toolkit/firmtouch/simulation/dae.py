@@ -133,8 +133,8 @@ def derive_dae(loop: ClosedLoop, feedback: Feedback, *, sinusoids: int = 0) -> D
     xdot = ca.vertcat(qdot, motion.acceleration(u, lambda_), ydot)
     return Dae(
         loop, feedback, source, filtered, sinusoids, layout,
-        rate=ca.Function("rate", [t, x, column], [ca.densify(xdot)]),
-        outputs=ca.Function("outputs", [t, x, column], [ca.densify(lambda_), ca.densify(u), ca.densify(motion.Phi)]),
+        rate=ca.Function("rate", [t, x, column], ca.cse([ca.densify(xdot)])),
+        outputs=ca.Function("outputs", [t, x, column], ca.cse([ca.densify(each) for each in (lambda_, u, motion.Phi)])),
         law=law,
         residual=_static(loop, feedback, law, column, given),
     )  # fmt: skip

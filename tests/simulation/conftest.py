@@ -13,6 +13,7 @@ from scipy.integrate import solve_ivp
 
 import firmtouch
 from firmtouch.regulation import control_law
+from firmtouch.simulation.dae import Dae, derive_dae
 from firmtouch.simulation.run import simulate
 from firmtouch.simulation.scenario import Feedback, Scenario, Start
 from firmtouch.simulation.start import true_surface
@@ -38,6 +39,36 @@ def shipped() -> Callable[[str], firmtouch.ClosedLoop]:
         return firmtouch.assign_poles(op, op.plant.spec.design)
 
     return get
+
+
+NAMES = sorted(path.stem for path in MODELS.glob("*.yaml"))
+LARGE = {"spatial_6r_plane"}
+"""Its equations alone take half a second to write out."""
+
+
+@pytest.fixture(
+    scope="session", params=[pytest.param(each, marks=pytest.mark.slow if each in LARGE else ()) for each in NAMES]
+)
+def loop(request, shipped) -> firmtouch.ClosedLoop:
+    """Give the loop of each shipped model."""
+    return shipped(request.param)
+
+
+@pytest.fixture(scope="session")
+def dae_of() -> Callable[..., Dae]:
+    """Derive the equations of a loop under a controller, once."""
+
+    @cache
+    def get(key, controller) -> Dae:
+        return derive_dae(loops[key], Feedback(controller))
+
+    loops = {}
+
+    def derive(loop, controller) -> Dae:
+        loops[id(loop)] = loop  # kept, so that the key stays its own
+        return get(id(loop), controller)
+
+    return derive
 
 
 @pytest.fixture(scope="session")

@@ -29,7 +29,7 @@ def test_a_minute_of_motion_keeps_the_constraints_to_1e_8(loop, run):
     assert done.Phi[-1] == pytest.approx(op.plant.Phi(done.q[-1]), abs=1e-13)
 
 
-@pytest.mark.parametrize("name", ["planar_2r_wall", "planar_3r_circle"])
+@pytest.mark.parametrize("name", ["planar_2r_wall", pytest.param("planar_3r_circle", marks=pytest.mark.slow)])
 def test_without_the_stabilisation_the_constraints_drift_away(shipped, run, monkeypatch, name):
     loop = shipped(name)
     words = {"way": 0.05, "push": shaken(loop.operating_point), "duration": 60.0}
@@ -60,7 +60,14 @@ def test_an_error_on_the_constraint_dies_out_at_the_rate_that_was_chosen(shipped
     assert found == pytest.approx(expected, abs=1e-10)
 
 
-@pytest.mark.parametrize("name", ["planar_2r_wall", "planar_3r_circle", "planar_3r_wall"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "planar_2r_wall",
+        pytest.param("planar_3r_circle", marks=pytest.mark.slow),
+        pytest.param("planar_3r_wall", marks=pytest.mark.slow),
+    ],
+)
 @pytest.mark.parametrize("electronics", [{"lag": 2e-3}, {"delay": 1e-3}, {"sample": 1e-3}], ids=str)
 def test_the_constraints_are_kept_whatever_the_electronics_do(shipped, run, name, electronics):
     from firmtouch.regulation.force_loop import ForcePath

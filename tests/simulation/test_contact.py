@@ -40,8 +40,10 @@ def pulling(op, force, omega, *, aside=1.0):
     return (Disturbance(d, omega=omega),), lambda t: d * np.sin(omega * t)
 
 
-@pytest.mark.parametrize("duration", [2.0, 60.0])
-@pytest.mark.parametrize("pull", [(90.0, 4.0), (95.0, 11.0), (120.0, 0.8)])
+@pytest.mark.parametrize("duration", [2.0, pytest.param(60.0, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "pull", [(120.0, 0.8), *(pytest.param(each, marks=pytest.mark.slow) for each in ((90.0, 4.0), (95.0, 11.0)))]
+)
 def test_contact_is_lost_when_lambda_crosses_zero(wall, run, crossing_of, duration, pull):
     op = wall.operating_point
     push, d = pulling(op, *pull)

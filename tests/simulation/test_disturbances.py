@@ -31,7 +31,14 @@ def cases(n):
     }
 
 
-@pytest.mark.parametrize("name", ["planar_2r_wall", "planar_3r_circle", "planar_3r_wall"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "planar_2r_wall",
+        pytest.param("planar_3r_circle", marks=pytest.mark.slow),
+        pytest.param("planar_3r_wall", marks=pytest.mark.slow),
+    ],
+)
 @pytest.mark.parametrize("case", cases(1))
 def test_a_run_is_the_solution_that_dop853_finds(shipped, run, reference, name, case):
     loop = shipped(name)
@@ -46,7 +53,10 @@ def test_a_run_is_the_solution_that_dop853_finds(shipped, run, reference, name, 
         assert done.lambda_[i] == pytest.approx(other.lambda_(done.t[i]), abs=1e3 * SAME)
 
 
-@pytest.mark.parametrize("controller", Controller)
+SOME = [Controller.AFFINE_WITH_FORCE, *(pytest.param(each, marks=pytest.mark.slow) for each in list(Controller)[:3])]
+
+
+@pytest.mark.parametrize("controller", SOME)
 def test_each_controller_in_a_crooked_world_with_another_plant(shipped, run, reference, controller, rng):
     loop = shipped("planar_3r_circle")
     op = loop.operating_point

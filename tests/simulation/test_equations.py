@@ -34,10 +34,10 @@ def look(dae, world, q, v, *, t=0.0, y=()):
 
 
 @pytest.mark.parametrize("controller", Controller)
-def test_the_rate_is_the_solution_of_eq_4_and_the_constraints(loop, controller, rng):
+def test_the_rate_is_the_solution_of_eq_4_and_the_constraints(loop, dae_of, controller, rng):
     op, law = loop.operating_point, control_law(loop.operating_point, loop.gains, controller)
     d = rng.normal(size=op.n)
-    dae, world = derive_dae(loop, Feedback(controller)), nominal_world(op, Disturbance(d))
+    dae, world = dae_of(loop, controller), nominal_world(op, Disturbance(d))
     for _ in range(3):
         q, v = on_surface(op, rng)
         found, lambda_, u, Phi, _ = look(dae, world, q, v)

@@ -30,8 +30,10 @@ def kicked(loop, run, path, *, duration, size=1.0):
     return done, (done.lambda_ - done.rest.lambda_)[:, 0]
 
 
-@pytest.mark.parametrize("name", ["planar_2r_wall", "planar_3r_circle"])
-@pytest.mark.parametrize("g", [0.97, 0.99, 1.01, 1.03])
+@pytest.mark.parametrize("name", ["planar_2r_wall", pytest.param("planar_3r_circle", marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "g", [pytest.param(0.97, marks=pytest.mark.slow), 0.99, 1.01, pytest.param(1.03, marks=pytest.mark.slow)]
+)
 @pytest.mark.parametrize("path", [ForcePath(delay=MS), ForcePath(sample=MS)], ids=["delay", "sample"])
 def test_a_pure_delay_and_one_sample_multiply_the_force_by_minus_g_a_step(fed, run, name, g, path):
     loop = fed(name, g)
@@ -114,16 +116,16 @@ def test_a_force_that_swings_for_ever_has_not_come_to_rest(shipped, with_gains, 
 
 
 def test_without_force_feedback_a_delay_of_the_force_does_nothing(shipped, with_gains, run):
-    loop = with_gains(shipped("planar_3r_circle"), G_f=np.zeros((1, 1)))
-    plain = run(loop, way=0.1, duration=0.5).q[-1]
+    loop = with_gains(shipped("planar_2r_wall"), G_f=np.zeros((1, 1)))
+    plain = run(loop, way=0.1, duration=0.5).q[-1]  # to some hundred times the tolerance, 1e-10
     for path in (ForcePath(delay=MS), ForcePath(lag=MS), ForcePath(delay=MS, lag=MS)):
-        assert run(loop, Feedback(path=path), way=0.1, duration=0.5).q[-1] == pytest.approx(plain, abs=1e-8)
+        assert run(loop, Feedback(path=path), way=0.1, duration=0.5).q[-1] == pytest.approx(plain, abs=1e-7)
 
 
 @pytest.mark.parametrize("kind", ["delay", "lag", "sample"])
 def test_what_is_slow_in_the_force_path_becomes_ideal_with_order_one(shipped, run, kind, observed_order):
     """Delay, lag and sample time -> 0, measured in the position while it moves."""
-    loop = shipped("planar_3r_circle")
+    loop = shipped("planar_2r_wall")
     words = {"way": 0.2, "duration": 0.2}
     ideal = run(loop, **words)
 
@@ -140,9 +142,9 @@ def test_what_is_slow_in_the_force_path_becomes_ideal_with_order_one(shipped, ru
     "path", [ForcePath(lag=5 * MS), ForcePath(delay=2 * MS), ForcePath(delay=MS, lag=2 * MS)], ids=str
 )
 def test_the_force_path_does_not_change_where_it_rests(shipped, run, path):
-    loop, push = shipped("planar_3r_circle"), (Disturbance(np.array([0.5, -0.3, 0.2])),)
-    slow = run(loop, Feedback(path=path), way=0.1, push=push, duration=2.6)
-    ideal = run(loop, way=0.1, push=push, duration=2.6)
+    loop, push = shipped("planar_2r_wall"), (Disturbance(np.array([0.5, -0.3])),)
+    slow = run(loop, Feedback(path=path), way=0.1, push=push, duration=4.0)
+    ideal = run(loop, way=0.1, push=push, duration=4.0)
     assert slow.q[-1] == pytest.approx(ideal.q[-1], abs=1e-8)
     assert slow.lambda_[-1] == pytest.approx(ideal.lambda_[-1], abs=1e-5)
     assert slow.rest.q == pytest.approx(ideal.rest.q, abs=1e-12)

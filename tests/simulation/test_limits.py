@@ -26,7 +26,9 @@ def tight(loop, over):
     return np.abs(loop.gains.bias) + over
 
 
-@pytest.mark.parametrize("name", ["planar_2r_wall", "planar_3r_circle", "two_arms_bar"])
+@pytest.mark.parametrize(
+    "name", ["planar_2r_wall", "planar_3r_circle", pytest.param("two_arms_bar", marks=pytest.mark.slow)]
+)
 @pytest.mark.parametrize("controller", LAWS)
 def test_limits_that_never_act_change_nothing(shipped, run, name, controller):
     loop = shipped(name)
@@ -80,7 +82,10 @@ def test_a_limited_drive_still_converges_and_later(shipped, run, name, way, over
     assert limited > unlimited + 0.02
 
 
-@pytest.mark.parametrize("name", ["planar_2r_wall", "planar_3r_circle", "planar_3r_wall", "two_arms_bar"])
+@pytest.mark.parametrize(
+    "name",
+    ["planar_2r_wall", "planar_3r_circle", "planar_3r_wall", pytest.param("two_arms_bar", marks=pytest.mark.slow)],
+)
 @pytest.mark.parametrize("controller", LAWS)
 @pytest.mark.parametrize("g", [0.8, 3.0, 30.0, 1000.0])
 def test_the_saturated_loop_is_solved_at_any_state_or_nothing_is_said(fed, rng, controller, name, g):

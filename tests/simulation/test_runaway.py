@@ -24,8 +24,8 @@ def spoiled(loop, with_gains, what):
 
 CASES = [
     pytest.param("planar_2r_wall", "K", id="K of a 2R arm"),
-    pytest.param("planar_2r_circle", "C", id="C of a 2R arm"),
-    pytest.param("planar_3r_circle", "K", id="K of a 3R arm"),
+    pytest.param("planar_2r_circle", "C", id="C of a 2R arm", marks=pytest.mark.slow),
+    pytest.param("planar_3r_circle", "K", id="K of a 3R arm", marks=pytest.mark.slow),
     pytest.param("pendulum_rod", "C", id="C of a pendulum", marks=pytest.mark.slow),
     pytest.param("planar_3r_circle", "C", id="C of a 3R arm", marks=pytest.mark.slow),
 ]

@@ -34,7 +34,7 @@ def test_what_is_held_is_the_law_of_the_sample_before(shipped, run):
         assert done.u[2 * k] == pytest.approx(expected, rel=1e-13)
 
 
-@pytest.mark.parametrize("name", ["planar_2r_wall", "planar_3r_circle"])
+@pytest.mark.parametrize("name", ["planar_2r_wall", pytest.param("planar_3r_circle", marks=pytest.mark.slow)])
 def test_one_seed_one_run_and_no_noise_is_the_plain_run(shipped, run, name):
     loop = shipped(name)
     op, words = loop.operating_point, {"way": 0.02, "duration": 0.4}
@@ -108,7 +108,7 @@ def test_the_variance_is_that_of_the_discrete_lyapunov_equation(shipped, run, se
     assert np.var(v2) == pytest.approx(P[1, 1], rel=0.15)  # shorter correlation
 
 
-@pytest.mark.parametrize("name", ["planar_2r_wall", "planar_3r_circle"])
+@pytest.mark.parametrize("name", ["planar_2r_wall", pytest.param("planar_3r_circle", marks=pytest.mark.slow)])
 def test_sampled_control_tends_to_the_continuous_one_with_order_one(shipped, run, name):
     loop, words = shipped(name), {"way": 0.1, "duration": 0.24}
     ideal = run(loop, **words).q[-1]

@@ -99,14 +99,14 @@ def test_a_start_where_j_loses_rank_ends_at_once_with_its_reason(shipped, run, c
     op = loop.operating_point
     p = op.plant.p.copy()
     p[list(op.plant.spec.parameters).index("d")] = 0.95  # stretched out, the tip just touches: J = 0
-    for q in ([0.0, 0.0], op.q_d):
-        done = run(loop, q=np.array(q), world=replace(nominal_world(op), p=p))
-        assert done.outcome is Outcome.STOPPED
-        assert "singular" in done.reason
-        assert done.t[-1] < 1e-3
+    done = run(loop, q=np.zeros(2), world=replace(nominal_world(op), p=p))
+    assert done.outcome is Outcome.STOPPED
+    assert "singular" in done.reason
+    assert done.t[-1] == 0.0
     assert capfd.readouterr() == ("", "")
 
 
+@pytest.mark.slow
 def test_a_run_into_a_singular_place_stops_and_keeps_what_came_before(shipped, run, capfd):
     loop = shipped("planar_2r_wall")
     op = loop.operating_point

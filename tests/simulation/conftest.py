@@ -42,8 +42,8 @@ def shipped() -> Callable[[str], firmtouch.ClosedLoop]:
 
 
 NAMES = sorted(path.stem for path in MODELS.glob("*.yaml"))
-LARGE = {"spatial_6r_plane"}
-"""Its equations alone take half a second to write out."""
+LARGE = {"spatial_6r_plane", "two_arms_bar", "spatial_3r_sphere"}
+"""Their equations alone take up to half a second to write out."""
 
 
 @pytest.fixture(

@@ -13,6 +13,8 @@ from firmtouch.simulation.world import Disturbance, nominal_world, tilted
 SAME = 2e-9  # tolerance 1e-11 a step of ours, some hundred steps; DOP853 at 1e-12
 BEGIN, END = 0.137, 0.291  # on no even instant
 
+FAST = {"pulse", "burst"}
+
 
 def cases(n):
     """Each: disturbances, the same as a function of time in other words, and its borders."""
@@ -39,7 +41,9 @@ def cases(n):
         pytest.param("planar_3r_wall", marks=pytest.mark.slow),
     ],
 )
-@pytest.mark.parametrize("case", cases(1))
+@pytest.mark.parametrize(
+    "case", [pytest.param(each, marks=() if each in FAST else pytest.mark.slow) for each in cases(1)]
+)
 def test_a_run_is_the_solution_that_dop853_finds(shipped, run, reference, name, case):
     loop = shipped(name)
     push, d, borders = cases(loop.operating_point.n)[case]

@@ -93,7 +93,11 @@ def test_a_sampled_loop_with_whole_steps_of_delay(shipped, with_gains, run, part
 
 
 @pytest.mark.parametrize(("g", "outcome"), [(0.97, Outcome.CONVERGED), (1.03, Outcome.DIVERGED)])
-@pytest.mark.parametrize("path", [ForcePath(delay=5 * MS), ForcePath(sample=5 * MS)], ids=["delay", "sample"])
+@pytest.mark.parametrize(
+    "path",
+    [pytest.param(ForcePath(delay=5 * MS), marks=pytest.mark.slow), ForcePath(sample=5 * MS)],
+    ids=["delay", "sample"],
+)
 def test_a_motion_with_a_delayed_force_converges_below_the_bound_and_diverges_above(fed, run, path, g, outcome):
     loop = fed("planar_2r_wall", g)
     done = run(loop, Feedback(path=path), way=0.05, duration=4.0)
@@ -139,7 +143,15 @@ def test_what_is_slow_in_the_force_path_becomes_ideal_with_order_one(shipped, ru
 
 
 @pytest.mark.parametrize(
-    "path", [ForcePath(lag=5 * MS), ForcePath(delay=2 * MS), ForcePath(delay=MS, lag=2 * MS)], ids=str
+    "path",
+    [
+        ForcePath(lag=5 * MS),
+        *(
+            pytest.param(each, marks=pytest.mark.slow)
+            for each in (ForcePath(delay=2 * MS), ForcePath(delay=MS, lag=2 * MS))
+        ),
+    ],
+    ids=str,
 )
 def test_the_force_path_does_not_change_where_it_rests(shipped, run, path):
     loop, push = shipped("planar_2r_wall"), (Disturbance(np.array([0.5, -0.3])),)

@@ -27,7 +27,8 @@ def tight(loop, over):
 
 
 @pytest.mark.parametrize(
-    "name", ["planar_2r_wall", "planar_3r_circle", pytest.param("two_arms_bar", marks=pytest.mark.slow)]
+    "name",
+    ["planar_2r_wall", *(pytest.param(each, marks=pytest.mark.slow) for each in ("planar_3r_circle", "two_arms_bar"))],
 )
 @pytest.mark.parametrize("controller", LAWS)
 def test_limits_that_never_act_change_nothing(shipped, run, name, controller):
@@ -87,7 +88,9 @@ def test_a_limited_drive_still_converges_and_later(shipped, run, name, way, over
     ["planar_2r_wall", "planar_3r_circle", "planar_3r_wall", pytest.param("two_arms_bar", marks=pytest.mark.slow)],
 )
 @pytest.mark.parametrize("controller", LAWS)
-@pytest.mark.parametrize("g", [0.8, 3.0, 30.0, 1000.0])
+@pytest.mark.parametrize(
+    "g", [0.8, pytest.param(3.0, marks=pytest.mark.slow), 30.0, pytest.param(1000.0, marks=pytest.mark.slow)]
+)
 def test_the_saturated_loop_is_solved_at_any_state_or_nothing_is_said(fed, rng, controller, name, g):
     """Phi'' + 2 a Phi' + a^2 Phi = 0 shows that lambda belongs to u, whichever drives are at their limits."""
     loop = fed(name, g)

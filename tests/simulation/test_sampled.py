@@ -67,7 +67,7 @@ def test_the_variance_is_four_times_as_large_with_twice_the_noise(shipped, run):
     assert variances[1] / variances[0] == pytest.approx(4.0, rel=0.02)
 
 
-@pytest.mark.parametrize("g", [0.3, 0.8])
+@pytest.mark.parametrize("g", [pytest.param(0.3, marks=pytest.mark.slow), 0.8])
 def test_the_force_wanders_as_its_own_loop_says(shipped, with_gains, run, g):
     """dlambda(k + 1) = -g (dlambda(k) + noise): variance g^2 sigma^2 / (1 - g^2), and the position does not see it."""
     loop = with_gains(shipped("planar_2r_wall"), G_f=np.eye(1) * g)

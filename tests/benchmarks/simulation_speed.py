@@ -3,7 +3,7 @@
 Both keep a relative and absolute tolerance of 1e-8. Radau finds its Jacobian by differences, as it does when none is
 given. Its callback is one of two: NumPy's solution of Eq. (4) with the constraints (`closed_loop_acceleration`), or the
 very CasADi function that we integrate, called with NumPy arrays: the least that Python can do. Our time is that of all
-of `simulate`: the projected start, the integration, lambda and u at 400 instants and more, the resting place, and the
+of `simulate`: the projected start, the integration, lambda and u at 250 instants and more, the resting place, and the
 outcome. Setting the integrator up, once for a loop, is told beside it.
 """
 
@@ -32,11 +32,11 @@ SHAKEN = Disturbance(np.array([2.0, -1.0, 0.5]), omega=6.0)
 REPETITIONS = 20
 BOUNDS = {
     ("3R, 5 s, shaken", "NumPy"): 100,
-    ("3R, 5 s, shaken", "CasADi"): 40,
+    ("3R, 5 s, shaken", "CasADi"): 30,
     ("3R, 5 s, to rest", "NumPy"): 30,
-    ("3R, 5 s, to rest", "CasADi"): 10,
+    ("3R, 5 s, to rest", "CasADi"): 5,
 }
-"""A loop at rest costs Radau next to nothing, and us the 400 instants that we look at."""
+"""A loop at rest costs Radau next to nothing, and us the 250 instants that we look at."""
 SAME = 1e-5
 """What the two may differ by at the end (rad): each keeps its own tolerance a step, of some hundred."""
 

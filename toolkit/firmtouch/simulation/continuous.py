@@ -16,7 +16,7 @@ from firmtouch.simulation.dae import Dae, parameters_of
 from firmtouch.simulation.samples import Samples, joined, observed
 from firmtouch.simulation.world import World
 
-POINTS: Final = 400
+POINTS: Final = 250
 """Instants that are kept of each stretch."""
 PER_PERIOD: Final = 16
 """Instants that are kept, at least, of each period of the fastest pole or disturbance: no dip is stepped over."""

@@ -4,13 +4,22 @@ from __future__ import annotations
 
 import sys
 
-from tests.benchmarks import certificate_speed, decentralised, first_design, region_speed, six_joints, start
+from tests.benchmarks import (
+    certificate_speed,
+    decentralised,
+    first_design,
+    region_speed,
+    simulation_speed,
+    six_joints,
+    start,
+)
 from tests.benchmarks.measure import Figure
 
 
 def main() -> int:
     measured: list[Figure] = []
-    for benchmark in (start, first_design, six_joints, region_speed, decentralised, certificate_speed):
+    chosen = (start, first_design, six_joints, region_speed, decentralised, certificate_speed, simulation_speed)
+    for benchmark in chosen:
         for each in benchmark.figures():
             measured.append(each)
             mark = "ok   " if each.holds else "FAILS"

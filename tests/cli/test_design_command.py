@@ -37,7 +37,7 @@ def write(tmp_path):
         if data is None:
             data = YAML(typ="safe", pure=True).load(PENDULUM)
         for key, value in sections.items():
-            data[key] = data[key] | value if isinstance(value, dict) else value
+            data[key] = data.get(key, {}) | value if isinstance(value, dict) else value
         path = tmp_path / "model.yaml"
         path.write_text(json.dumps(data), encoding="utf-8")
         return path
@@ -68,6 +68,32 @@ def assert_whole(folder: Path) -> None:
         else:
             assert content.startswith(b"%PDF-")
             assert content.rstrip().endswith(b"%%EOF")
+
+
+class TestTheForceLoop:
+    def test_a_gain_beyond_the_bound_is_warned_of_and_designed_all_the_same(self, write, tmp_path, capsys):
+        path = write(force_path={"bandwidth": "500 rad/s", "delay": "1 ms"}, design={"force_feedback": 4})
+        assert main(["design", str(path), "--out", str(tmp_path / "out"), "--no-pdf", "--no-attraction"]) == 0
+        printed = capsys.readouterr()
+        assert "warning: The force loop is unstable: G_f has an eigenvalue of 4" in printed.err
+        data = json.loads((tmp_path / "out" / "design.json").read_text(encoding="utf-8"))
+        assert data["force_loop"]["loops"][0]["stable"] is False
+        assert "<h2>Force loop</h2>" in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+
+    def test_auto_is_chosen_written_as_a_number_and_verified(self, write, tmp_path, capsys):
+        path = write(force_path={"delay": "1 ms"}, design={"force_feedback": "auto"})
+        assert main(["design", str(path), "--out", str(tmp_path / "out"), "--no-pdf", "--no-attraction"]) == 0
+        data = json.loads((tmp_path / "out" / "design.json").read_text(encoding="utf-8"))
+        assert data["gains"]["G_f"] == [[0.5]]  # a gain margin of 2 and a modulus margin of 0.5 of a pure delay
+        assert data["force_loop"]["asked"].keys() == {"gain", "modulus"}
+        assert capsys.readouterr().err == ""
+        assert main(["verify", str(tmp_path / "out" / "certificate.json"), "--model", str(path)]) == 0
+        assert main(["check", str(path)]) == 0
+
+    def test_auto_without_a_path_is_told_at_its_place(self, write, tmp_path, capsys):
+        assert main(["design", str(write(design={"force_feedback": "auto"})), "--out", str(tmp_path / "out")]) == 2
+        assert "`auto` needs `force_path`" in capsys.readouterr().err
+        assert not (tmp_path / "out").exists()
 
 
 class TestAFinishedDesign:

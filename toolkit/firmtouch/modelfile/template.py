@@ -66,8 +66,11 @@ operating_point:
 design:
   method: poles
   poles: [-6, -8]
-  force_feedback: 0.8                    # G_f: a number, one for each constraint, or a matrix
+  force_feedback: 0.8                    # G_f: a number, one for each constraint, a matrix, or auto (see force_path)
   normal_blocks: decouple                # or reject, or {{policy: blend, weight: 0.5}}
+
+# How the measured force comes to the controller: what bounds the force feedback.
+# force_path: {{bandwidth: 80 Hz, sample: 1 ms, margins: {{gain: 2, modulus: 0.5}}, contact_stiffness: 1e4 N/m}}
 
 # How large the causes of steady-state errors may be.
 bounds:

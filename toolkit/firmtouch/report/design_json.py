@@ -9,6 +9,7 @@ from firmtouch.design import Design
 from firmtouch.mechanics import Array
 from firmtouch.regulation import SteadyStateError
 from firmtouch.regulation.closed_loop import Positivity
+from firmtouch.report.force_loop_json import force_loop_as_json
 from firmtouch.report.region_json import region_as_json
 from firmtouch.report.simulation_json import run_as_json, steady_state_as_json
 
@@ -51,6 +52,7 @@ def design_as_json(design: Design) -> dict[str, Any]:
         },
         "positivity": {"full": _positivity(loop.full), "tangent": _positivity(loop.tangent)},
         "steady_state": {name: _error(getattr(errors, name)) for name in ("force", "offset", "rotation", "tilt")},
+        "force_loop": force_loop_as_json(design.force_loop),
         **(region_as_json(design.region) if design.region is not None else {}),
         **({"simulation": _simulation(design)} if design.trial is not None else {}),
         "certified": design.certificate.certified,

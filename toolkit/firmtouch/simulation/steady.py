@@ -25,7 +25,7 @@ LONGEST: Final = 600.0
 EXACT: Final = 1e-7
 """Relative deviations below this are the integrator's, and have no order."""
 TURNED: Final = 0.9
-"""The least cosine between deviations of one order: they point the same way."""
+"""The cosine between two deviations of one order: they point the same way."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +35,7 @@ class SimulatedError:
     `parts` are those of the table's worst cause (1, 1/2, 1/4; less where the file bounds none), `effects` (3 x n or m)
     what the loop came to rest with, `deviations` how far each is from the first-order prediction, relative to that.
     `order` is that of the relative deviation at the last halving: 1 where the prediction is exact in first order. It is
-    NaN where nothing deviates, where the deviation turns between one cause and the next (no one order rules it yet),
+    NaN where nothing deviates, where the deviation changes its direction (it is not yet of one order),
     and where the loop did not come to rest there, which `outcome` tells.
     """
 
@@ -114,16 +114,11 @@ class _Bench:
         predicted = parts[:, None] * size * worst.effect
         off = np.array(effects) - predicted
         deviations = np.linalg.norm(off, axis=1) / np.linalg.norm(predicted, axis=1)
-        measurable = outcome is Outcome.CONVERGED and deviations[-1] > EXACT and _one_way(off)
+        directions = off / np.maximum(np.linalg.norm(off, axis=1), np.finfo(float).tiny)[:, None]
+        same_way = bool(np.all(np.sum(directions[1:] * directions[:-1], axis=1) > TURNED))
+        measurable = outcome is Outcome.CONVERGED and deviations[-1] > EXACT and same_way
         order = float(np.log2(deviations[-2] / deviations[-1])) if measurable else np.nan
         return SimulatedError(frozen(size * parts), frozen(effects), frozen(deviations), order, outcome)
-
-
-def _one_way(vectors: Array) -> bool:
-    """Tell whether each of them points the way of the one before."""
-    sizes = np.linalg.norm(vectors, axis=1)
-    along = np.sum(vectors[1:] * vectors[:-1], axis=1)
-    return bool(np.all(along > TURNED * sizes[1:] * sizes[:-1]))
 
 
 def _rotation(lambda_d: Array, cause: Array) -> Array:

@@ -34,7 +34,10 @@ def try_out(loop: ClosedLoop, errors: SteadyState) -> Trial:
     """Simulate the usual scenarios and the table."""
     scenarios = usual_scenarios(loop, errors)
     simulator = build_simulator(loop, scenarios[0])
-    return Trial(run_all(loop, scenarios, simulator), simulate_steady_state(loop, errors, simulator))
+    shared = [each for each in scenarios if each.feedback is scenarios[0].feedback]
+    others = [each for each in scenarios if each.feedback is not scenarios[0].feedback]
+    runs = (*run_all(loop, shared, simulator), *run_all(loop, others))
+    return Trial(runs, simulate_steady_state(loop, errors, simulator))
 
 
 def run_all(

@@ -1,4 +1,7 @@
-"""The scenarios that every design is put through: a start error, a force step, an offset and a tilt."""
+"""The scenarios that every design is put through: a start error, a force step, an offset and a tilt.
+
+The force signal is ideal in them; where the file has a force path, the start error comes once more, through that.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +13,7 @@ import numpy as np
 from firmtouch.mechanics import Array
 from firmtouch.mechanics.arrays import frozen
 from firmtouch.regulation import ClosedLoop, SteadyState
+from firmtouch.regulation.force_loop import force_path_of
 from firmtouch.simulation.from_file import drive_limits, usual_duration
 from firmtouch.simulation.scenario import Feedback, Scenario, Start
 from firmtouch.simulation.world import Disturbance, World, nominal_world, tilted
@@ -31,16 +35,22 @@ def usual_scenarios(loop: ClosedLoop, errors: SteadyState) -> tuple[Scenario, ..
     def scenario(name: str, title: str, world: World, start: Start = still) -> Scenario:
         return Scenario(name, title, feedback, start, world, duration)
 
+    beside = Start(frozen(op.q_d + _aside(loop)), still.qdot)
+
     push = Disturbance(causes_of(errors)["force"], start=STEP_AT * duration)
     Delta = causes_of(errors)["offset"]
     found = [
-        scenario("start_error", "Let go beside q_d", nominal, Start(frozen(op.q_d + _aside(loop)), still.qdot)),
+        scenario("start_error", "Let go beside q_d", nominal, beside),
         scenario("force_step", "A constant force begins", replace(nominal, disturbances=(push,))),
         scenario("offset", "The surface is off", replace(nominal, Delta=Delta)),
     ]
     if np.any(op.lambda_d):
         d = causes_of(errors)["tilt"]
         found.append(scenario("tilt", "The surface is tilted", tilted(op, nominal, d)))
+    path = force_path_of(op.plant.spec)
+    if path is not None:
+        again = scenario("force_path", "Let go beside q_d, the force signal through its path", nominal, beside)
+        found.append(replace(again, feedback=replace(feedback, path=path)))
     return tuple(found)
 
 

@@ -24,8 +24,9 @@ def section(design: Design) -> Section | None:
         return None
     op = design.loop.operating_point
     intro = (
-        "The nonlinear mechanism under controller (17), from the same equations as the design: an ideal force signal, "
-        "and the drives’ limits where the file has them. Grey behind each line is what the linear theory predicts."
+        "The nonlinear mechanism under controller (17), from the same equations as the design: a rigid contact, a "
+        "force signal that comes at once unless its path is named, and the drives’ limits where the file has them. "
+        "Grey behind each line is what the linear theory predicts."
     )
     return Section("Simulation", (Paragraph(prose(intro)), *runs_as_blocks(design.trial.runs, op, "run")))
 

@@ -338,8 +338,9 @@ class TestTheNonlinearLoop:
         self.falls_with_the_square(self.difference(loop, make, build_simulator(loop, make(1.0))), 0.1)
 
 
-def test_a_design_of_any_shipped_model_is_predicted_to_come_to_rest(op, loop):
-    """The table's own worst force, on every model, by the prediction's last instant."""
+def test_a_design_of_any_shipped_model_is_predicted_to_come_to_rest(loop):
+    """The table's own worst force, on each model, by the prediction's last instant."""
+    op = loop.operating_point
     errors = steady_state_errors(loop, op.plant.spec.bounds)
     worst = errors.force.worst_position
     found = predict(

@@ -7,6 +7,7 @@ from firmtouch.modelfile import parse_model
 from firmtouch.modelfile.sections.bounds import Bounds
 from firmtouch.regulation import steady_state_errors
 from firmtouch.regulation.controllers import Controller
+from firmtouch.regulation.force_loop import ForcePath, force_path_of
 from firmtouch.simulation.from_file import drive_limits, usual_duration
 from firmtouch.simulation.usual import START_ERROR, STEP_AT, causes_of, usual_scenarios
 
@@ -28,9 +29,20 @@ def scenarios(loop, errors):
     return {each.name: each for each in usual_scenarios(loop, errors)}
 
 
-def test_there_are_four_with_titles(scenarios):
-    assert list(scenarios) == ["start_error", "force_step", "offset", "tilt"]
-    assert len({each.title for each in scenarios.values()}) == 4
+def test_there_are_four_with_titles_and_one_more_where_the_force_signal_has_a_path(scenarios, loop):
+    through = ["force_path"] if loop.operating_point.plant.spec.force_path is not None else []
+    assert list(scenarios) == ["start_error", "force_step", "offset", "tilt", *through]
+    assert len({each.title for each in scenarios.values()}) == len(scenarios)
+
+
+def test_the_force_path_is_the_files_in_the_last_one_alone(scenarios, loop):
+    spec = loop.operating_point.plant.spec
+    for name, each in scenarios.items():
+        expected = force_path_of(spec) if name == "force_path" else ForcePath()
+        assert each.feedback.path == expected
+    if spec.force_path is not None:
+        # It starts as the first one does, so that the two can be compared.
+        assert np.array_equal(scenarios["force_path"].start.q, scenarios["start_error"].start.q)
 
 
 def test_they_are_run_by_the_paper_s_controller_within_the_drives_limits(scenarios, loop):
@@ -39,7 +51,6 @@ def test_they_are_run_by_the_paper_s_controller_within_the_drives_limits(scenari
     for each in scenarios.values():
         assert each.feedback.controller is Controller.AFFINE_WITH_FORCE
         assert each.feedback.noise is None
-        assert (each.feedback.path.delay, each.feedback.path.lag, each.feedback.path.sample) == (0, 0, 0)
         if any(efforts):
             assert each.feedback.limits.tolist() == [effort.value if effort else np.inf for effort in efforts]
         else:
@@ -61,7 +72,7 @@ def test_only_one_thing_is_wrong_in_each(scenarios, loop):
         assert np.array_equal(world.p, op.plant.p)
         assert np.array_equal(world.R, np.eye(op.m))
         assert not np.any(world.bias_error)
-        assert np.any(each.start.q != op.q_d) == (name == "start_error")
+        assert np.any(each.start.q != op.q_d) == (name in ("start_error", "force_path"))
         assert bool(world.disturbances) == (name == "force_step")
         assert np.any(world.Delta) == (name == "offset")
         assert np.any(world.E) == (name == "tilt")
@@ -116,7 +127,7 @@ class TestWithoutBounds:
 
     def test_the_scenarios_are_made_of_them(self, loop, unbounded):
         causes = causes_of(unbounded)
-        _, step, offset, tilt = usual_scenarios(loop, unbounded)
+        _, step, offset, tilt, *_ = usual_scenarios(loop, unbounded)
         assert np.array_equal(step.world.disturbances[0].d, causes["force"])
         assert np.array_equal(offset.world.Delta, causes["offset"])
         np.testing.assert_allclose(tilt.world.E.T @ loop.operating_point.lambda_d, causes["tilt"], rtol=1e-9)

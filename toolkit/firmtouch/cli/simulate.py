@@ -101,7 +101,8 @@ def _print(runs: tuple[Run, ...], loop: ClosedLoop) -> None:
     for heading in ("", "scenario", "what came of it"):
         table.add_column(heading, overflow="fold")
     drives = "% of a limit" if limited else units.joint_force
-    for heading, unit in (("error", units.coordinate), ("contact force", units.multiplier), ("drives", drives)):
+    force = "contact force" if op.m == 1 else "largest force error"
+    for heading, unit in (("error", units.coordinate), (force, units.multiplier), ("drives", drives)):
         table.add_column(f"{heading}, {unit}" if unit else heading, justify="right")
     for each in runs:
         trajectory, limits = each.trajectory, each.trajectory.scenario.feedback.limits
@@ -112,7 +113,9 @@ def _print(runs: tuple[Run, ...], loop: ClosedLoop) -> None:
             trajectory.scenario.name,
             Text(trajectory.reason),
             f"{np.max(np.abs(trajectory.q - op.q_d)):.3g}",
-            f"{trajectory.lambda_.min():.4g} to {trajectory.lambda_.max():.4g}",
+            f"{trajectory.lambda_.min():.4g} to {trajectory.lambda_.max():.4g}"
+            if op.m == 1
+            else f"{np.max(np.abs(trajectory.lambda_ - op.lambda_d)):.3g}",
             f"{largest:.3g}",
         )
     results_console().print(table)

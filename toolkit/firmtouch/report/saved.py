@@ -91,6 +91,10 @@ def _read(path: Path) -> _Saved:
     schema = data.get("schema") if isinstance(data, dict) else None
     if schema != SCHEMA:
         raise InputError(f"{path}: no design.json: its schema is {schema!r}, and `{SCHEMA}` was expected")
+    if isinstance(data.get("model"), dict) and "source" not in data["model"]:
+        raise InputError(
+            f"{path}: this file does not hold its model's text; `firmtouch design MODEL` writes one that does"
+        )
     try:
         return _Saved.model_validate(data)
     except ValidationError as error:

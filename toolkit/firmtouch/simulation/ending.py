@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 
 from firmtouch.mechanics import Array
+from firmtouch.modelfile.vector_units import units_of
 from firmtouch.regulation import ClosedLoop, OperatingPoint
 from firmtouch.simulation.samples import Samples
 
@@ -58,5 +59,5 @@ def ran_away(samples: Samples, loop: ClosedLoop, distance: float) -> tuple[int, 
         return None
     i = int(np.argmax(ended))
     if not near[i]:
-        return i, f"it was {far[i]:.3g} rad or m from q_d"
+        return i, f"it was {far[i]:.3g} {units_of(op.plant.spec).coordinate or 'rad or m'} from q_d"
     return i, f"the contact force had grown to {np.max(np.abs(samples.lambda_[:, i])):.3g} (in SI)"

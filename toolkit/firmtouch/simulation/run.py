@@ -9,6 +9,7 @@ import numpy as np
 
 from firmtouch.mechanics import Array
 from firmtouch.mechanics.arrays import frozen
+from firmtouch.modelfile.vector_units import units_of
 from firmtouch.regulation import ClosedLoop, OperatingPoint
 from firmtouch.regulation.equilibrium import Equilibrium, NoEquilibriumError, solve_rest
 from firmtouch.simulation.continuous import ContinuousRun, Integrator, build_integrator, even_points
@@ -126,7 +127,7 @@ def _failed(t: float | None) -> tuple[Outcome, str] | None:
 def _at_the_end(samples: Samples, op: OperatingPoint, rest: Equilibrium | None) -> tuple[Outcome, str]:
     """Tell whether the last sample is at rest, and where."""
     t, q, qdot = float(samples.t[-1]), samples.x[: op.n, -1], samples.x[op.n : 2 * op.n, -1]
-    unit = " or ".join(sorted({each.unit for each in op.plant.spec.coordinates.values()}, reverse=True))
+    unit = units_of(op.plant.spec).coordinate or "rad or m"
     speed, distance = float(np.max(np.abs(qdot))), float(np.max(np.abs(q - op.q_d)))
     where = "at q_d" if distance < AT_REST else f"{distance:.2g} {unit} from q_d"
     if speed > ARRIVED:

@@ -15,6 +15,7 @@ from firmtouch.report.contents.prose import prose
 from firmtouch.report.document import Block, Callout, Document, Figure, Line, Paragraph, Section, Table
 from firmtouch.report.figures.trajectory import run_picture
 from firmtouch.report.numbers import number
+from firmtouch.simulation.trajectory import Trajectory
 from firmtouch.simulation.trial import Run
 
 
@@ -63,7 +64,7 @@ def _table(runs: tuple[Run, ...], op: OperatingPoint) -> Table:
     limited = any(each.trajectory.scenario.feedback.limits is not None for each in runs)
     headings: tuple[Line, ...] = (
         ("scenario",), ("outcome",), (f"largest error{_in(units.coordinate)}",),
-        (f"contact force{_in(units.multiplier)}",), ("largest joint force",), ("drift off the surface",),
+        _force_heading(op, units.multiplier), ("largest joint force",), ("drift off the surface",),
     )  # fmt: skip
     rows = tuple(_row(each, op, limited=limited) for each in runs)
     return Table(headings, rows, frozenset({2, 3, 4, 5}), wide=frozenset({0, 1}))
@@ -72,7 +73,6 @@ def _table(runs: tuple[Run, ...], op: OperatingPoint) -> Table:
 def _row(run: Run, op: OperatingPoint, *, limited: bool) -> tuple[Line, ...]:
     trajectory = run.trajectory
     far = float(np.max(np.abs(trajectory.q - op.q_d)))
-    low, high = float(np.min(trajectory.lambda_)), float(np.max(trajectory.lambda_))
     limits = trajectory.scenario.feedback.limits
     if limited and limits is not None:
         drive = f"{number(100 * float(np.max(np.abs(trajectory.u) / limits)), 3)} % of its limit"
@@ -82,10 +82,21 @@ def _row(run: Run, op: OperatingPoint, *, limited: bool) -> tuple[Line, ...]:
         prose(trajectory.scenario.title),
         (trajectory.outcome.value,),
         (number(far, 3),),
-        (f"{number(low, 4)} to {number(high, 4)}",),
+        (_force(trajectory, op),),
         (drive,),
         (number(float(np.max(np.abs(trajectory.Phi))), 1),),
     )
+
+
+def _force_heading(op: OperatingPoint, unit: str) -> Line:
+    return (f"contact force{_in(unit)}",) if op.m == 1 else (f"largest force error{_in(unit or 'N or N m')}",)
+
+
+def _force(trajectory: Trajectory, op: OperatingPoint) -> str:
+    """Write the range of the only contact force, or the largest error of several, which may differ in unit."""
+    if op.m > 1:
+        return number(float(np.max(np.abs(trajectory.lambda_ - op.lambda_d))), 3)
+    return f"{number(float(np.min(trajectory.lambda_)), 4)} to {number(float(np.max(trajectory.lambda_)), 4)}"
 
 
 def _in(unit: str) -> str:

@@ -93,7 +93,7 @@ def _read(path: Path) -> _Saved:
         raise InputError(f"{path}: no design.json: its schema is {schema!r}, and `{SCHEMA}` was expected")
     if isinstance(data.get("model"), dict) and "source" not in data["model"]:
         raise InputError(
-            f"{path}: this file does not hold its model's text; `firmtouch design MODEL` writes one that does"
+            f"{path}: `model.source`, the model's text, is missing; `firmtouch design MODEL` writes a file that has it"
         )
     try:
         return _Saved.model_validate(data)

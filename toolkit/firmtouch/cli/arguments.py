@@ -102,10 +102,10 @@ _DESIGN = (
 )
 _MONTECARLO = (
     "Draw starts, parameters and disturbances from the file's intervals and bounds (or a scenario file's `draw`), "
-    "simulate each, and tell what part converges, with its exact 95 % interval. A run has converged if it comes to rest at "
-    "the equilibrium of its own world; one that still moves at the end has not, and is counted apart. Where a region of "
-    "attraction is proven (in a design's certificate, or by --prove), further runs start inside it: all of them must "
-    "converge. Stopped and started again, it goes on where it was."
+    "simulate each, and tell what part converges, with its exact 95 % interval. A run has converged if it comes to "
+    "rest at the equilibrium of its own world; one that still moves at the end has not, and is counted apart. Where a "
+    "region of attraction is proven (in a design's certificate, or by --prove), further runs start inside it: all of "
+    "them must converge. Stopped and started again, it goes on where it was."
 )
 _MONTECARLO_CODES = (
     "exit codes: 0 done, whatever the fraction; 1 a start inside the proven region did not converge, or --at-least is "

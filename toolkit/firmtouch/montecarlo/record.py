@@ -51,9 +51,9 @@ class Record:
 
     `outcome` is a member's name of `Outcome`, in small letters, or `off_surface`. `t` is when it ended, `farthest` the
     largest |q_i - q_di| on its way, `distance` the largest |q_i - q*_i| at its end (q* is its own world's equilibrium,
-    or q_d where there is none nearby), `force` the largest |lambda_j - lambda_dj| on its way, `torque` the largest part of a
-    drive's limit, None without limits. `pulled` tells that a one-sided contact had to pull. Of starts inside a proven
-    region, `V` is the energy (J) that they start with, and `level` what is proven.
+    or q_d where there is none nearby), `force` the largest |lambda_j - lambda_dj| on its way, `torque` the largest part
+    of a drive's limit, None without limits. `pulled` tells that a one-sided contact had to pull. Of starts inside a
+    proven region, `V` is the energy (J) that they start with, and `level` what is proven.
     """
 
     label: Label

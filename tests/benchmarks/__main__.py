@@ -4,13 +4,22 @@ from __future__ import annotations
 
 import sys
 
-from tests.benchmarks import certificate_speed, decentralised, first_design, region_speed, six_joints, start
+from tests.benchmarks import (
+    certificate_speed,
+    decentralised,
+    first_design,
+    montecarlo_speed,
+    region_speed,
+    six_joints,
+    start,
+)
 from tests.benchmarks.measure import Figure
 
 
 def main() -> int:
     measured: list[Figure] = []
-    for benchmark in (start, first_design, six_joints, region_speed, decentralised, certificate_speed):
+    modules = (start, first_design, six_joints, region_speed, decentralised, certificate_speed, montecarlo_speed)
+    for benchmark in modules:
         for each in benchmark.figures():
             measured.append(each)
             mark = "ok   " if each.holds else "FAILS"

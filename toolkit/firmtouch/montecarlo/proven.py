@@ -22,7 +22,7 @@ from firmtouch.simulation.scenario import Start
 
 INSIDE: Final = 0.999
 """The part of a level, and of a box, that starts are drawn from: what is computed here is rounded, the proof is not."""
-STEP: Final = 0.01
+STEP: Final = 0.02
 """A ray is followed in such steps, in units of where p would reach the level if it were quadratic.
 
 Around a ridge as high as the level, p is above INSIDE level over 2 sqrt(1 - INSIDE) = 0.06 of these units."""

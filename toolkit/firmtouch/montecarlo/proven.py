@@ -6,19 +6,20 @@ The proof is about the model itself, undisturbed, under controllers (15) and (11
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from firmtouch.certificate.attraction import Chart, WholeBox, stiffness_chart
-from firmtouch.certificate.attraction.finding import Finding
-from firmtouch.certificate.numbers import matrix
-from firmtouch.certificate.surroundings_file import SurroundingsPart
 from firmtouch.mechanics import Array
 from firmtouch.mechanics.arrays import frozen
 from firmtouch.regulation import ClosedLoop
 from firmtouch.regulation.operating_point import OffSurfaceError, project
 from firmtouch.simulation.scenario import Start
+
+if TYPE_CHECKING:  # those who only run need no proofs, and start sooner without them
+    from firmtouch.certificate.attraction.chart import Chart
+    from firmtouch.certificate.attraction.finding import Finding
+    from firmtouch.certificate.surroundings_file import SurroundingsPart
 
 INSIDE: Final = 0.999
 """The part of a level, and of a box, that starts are drawn from: what is computed here is rounded, the proof is not."""
@@ -66,6 +67,8 @@ class NoStartError(RuntimeError):
 
 def regions_of_finding(finding: Finding, loop: ClosedLoop) -> tuple[Region, ...]:
     """Give the regions that a search has proven."""
+    from firmtouch.certificate.attraction import WholeBox, stiffness_chart
+
     found = []
     if finding.attraction is not None:
         each = finding.attraction
@@ -78,6 +81,9 @@ def regions_of_finding(finding: Finding, loop: ClosedLoop) -> tuple[Region, ...]
 
 def regions_of_file(part: SurroundingsPart | None, loop: ClosedLoop) -> tuple[Region, ...]:
     """Give the regions that a certificate holds; it was proven before it was written, and is believed here."""
+    from firmtouch.certificate.attraction import Chart, stiffness_chart
+    from firmtouch.certificate.numbers import matrix
+
     found = []
     if part is not None and part.attraction is not None:
         told = part.attraction

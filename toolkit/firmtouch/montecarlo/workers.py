@@ -55,7 +55,7 @@ def run_all(study: Study, labels: Sequence[Label], *, jobs: int) -> Iterator[lis
                 done, pending = wait(pending, timeout=0 if batches else None, return_when=FIRST_COMPLETED)
                 yield from (each.result() for each in done)
         finally:
-            others.shutdown(kill_workers=True)
+            others.shutdown(wait=False, kill_workers=bool(batches or pending))
 
 
 def run_batch(study: Study, labels: Sequence[Label]) -> list[Record]:

@@ -12,8 +12,21 @@ import pytest
 import firmtouch
 
 ROOT = Path(__file__).parents[1]
-PARTS = ("mechanics", "regulation", "synthesis", "checks", "modelfile", "report")
-HEAVY = ("casadi", "sympy", "cvxpy", "control", "scipy", "matplotlib", "pydantic", "numpy", "typst", "pint", "rich")
+PARTS = ("mechanics", "regulation", "regulation.force_loop", "synthesis", "checks", "modelfile", "oracle", "report")
+HEAVY = (
+    "casadi",
+    "sympy",
+    "cvxpy",
+    "control",
+    "scipy",
+    "matplotlib",
+    "pydantic",
+    "numpy",
+    "typst",
+    "pint",
+    "rich",
+    "mujoco",
+)
 
 
 def imported_by(code: str) -> set[str]:

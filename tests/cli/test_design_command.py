@@ -37,7 +37,7 @@ def write(tmp_path):
         if data is None:
             data = YAML(typ="safe", pure=True).load(PENDULUM)
         for key, value in sections.items():
-            data[key] = data[key] | value if isinstance(value, dict) else value
+            data[key] = data.get(key, {}) | value if isinstance(value, dict) else value
         path = tmp_path / "model.yaml"
         path.write_text(json.dumps(data), encoding="utf-8")
         return path
@@ -70,6 +70,32 @@ def assert_whole(folder: Path) -> None:
             assert content.rstrip().endswith(b"%%EOF")
 
 
+class TestTheForceLoop:
+    def test_a_gain_beyond_the_bound_is_warned_of_and_designed_all_the_same(self, write, tmp_path, capsys):
+        path = write(force_path={"bandwidth": "500 rad/s", "delay": "1 ms"}, design={"force_feedback": 4})
+        assert main(["design", str(path), "--out", str(tmp_path / "out"), "--no-pdf", "--no-attraction"]) == 0
+        printed = capsys.readouterr()
+        assert "warning: The force loop is unstable: G_f has an eigenvalue of 4" in printed.err
+        data = json.loads((tmp_path / "out" / "design.json").read_text(encoding="utf-8"))
+        assert data["force_loop"]["loops"][0]["stable"] is False
+        assert "<h2>Force loop</h2>" in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+
+    def test_auto_is_chosen_written_as_a_number_and_verified(self, write, tmp_path, capsys):
+        path = write(force_path={"delay": "1 ms"}, design={"force_feedback": "auto"})
+        assert main(["design", str(path), "--out", str(tmp_path / "out"), "--no-pdf", "--no-attraction"]) == 0
+        data = json.loads((tmp_path / "out" / "design.json").read_text(encoding="utf-8"))
+        assert data["gains"]["G_f"] == [[0.5]]  # a gain margin of 2 and a modulus margin of 0.5 of a pure delay
+        assert data["force_loop"]["asked"].keys() == {"gain", "modulus"}
+        assert capsys.readouterr().err == ""
+        assert main(["verify", str(tmp_path / "out" / "certificate.json"), "--model", str(path)]) == 0
+        assert main(["check", str(path)]) == 0
+
+    def test_auto_without_a_path_is_told_at_its_place(self, write, tmp_path, capsys):
+        assert main(["design", str(write(design={"force_feedback": "auto"})), "--out", str(tmp_path / "out")]) == 2
+        assert "`auto` needs `force_path`" in capsys.readouterr().err
+        assert not (tmp_path / "out").exists()
+
+
 class TestAFinishedDesign:
     def test_four_files_are_written_into_a_folder_that_is_made(self, finished):
         assert listed(finished) == FILES
@@ -83,7 +109,7 @@ class TestAFinishedDesign:
         assert {(finished / name).stat().st_mode & 0o777 for name in FILES} == {0o644}
 
     def test_the_verdict_and_the_files_are_printed_and_nothing_else(self, tmp_path, capsys):
-        assert main(["design", str(PENDULUM), "--out", str(tmp_path), "--no-pdf"]) == 0
+        assert main(["design", str(PENDULUM), "--out", str(tmp_path), "--no-pdf", "--no-simulation"]) == 0
         printed = capsys.readouterr()
         assert printed.out.startswith("Certified: the gains put the poles at −4 ± 2j 1/s")
         written = ("design.json", "certificate.json", "report.html")
@@ -92,7 +118,7 @@ class TestAFinishedDesign:
         assert "\x1b" not in printed.out
 
     def test_without_pdf_there_are_three_files(self, tmp_path, capsys):
-        assert main(["design", str(PENDULUM), "--out", str(tmp_path), "--no-pdf"]) == 0
+        assert main(["design", str(PENDULUM), "--out", str(tmp_path), "--no-pdf", "--no-simulation"]) == 0
         assert listed(tmp_path) == FILES - {"report.pdf"}
 
     def test_json_on_stdout_is_the_file_to_the_byte(self, tmp_path, capfdbinary):
@@ -114,7 +140,7 @@ class TestAFinishedDesign:
             assert (tmp_path / name).read_bytes() == (finished / name).read_bytes()
 
     def test_warnings_go_to_stderr_without_colour_when_it_is_no_terminal(self, write, tmp_path, capsys):
-        assert main(["design", str(weak(write)), "--out", str(tmp_path / "out"), "--no-pdf"]) == 0
+        assert main(["design", str(weak(write)), "--out", str(tmp_path / "out"), "--no-pdf", "--no-simulation"]) == 0
         printed = capsys.readouterr()
         assert printed.err.splitlines()
         assert all(line.startswith("warning: ") for line in printed.err.splitlines())
@@ -128,7 +154,7 @@ class TestAFinishedDesign:
         monkeypatch.delenv("NO_COLOR", raising=False)
         if no_color:
             monkeypatch.setenv("NO_COLOR", "1")
-        assert main(["design", str(weak(write)), "--out", str(tmp_path / "out"), "--no-pdf"]) == 0
+        assert main(["design", str(weak(write)), "--out", str(tmp_path / "out"), "--no-pdf", "--no-simulation"]) == 0
         printed = capsys.readouterr()
         yellow = "\x1b[33m"
         assert (yellow in printed.err) != no_color
@@ -319,7 +345,18 @@ def test_each_file_is_the_old_or_the_new_one_whenever_the_writing_is_killed(tmp_
 
 
 def test_a_pipe_that_closes_early_is_no_error(tmp_path):
-    command = [sys.executable, "-m", "firmtouch", "design", str(PENDULUM), "--json", "--no-pdf", "--out", str(tmp_path)]
+    command = [
+        sys.executable,
+        "-m",
+        "firmtouch",
+        "design",
+        str(PENDULUM),
+        "--json",
+        "--no-pdf",
+        "--no-simulation",
+        "--out",
+        str(tmp_path),
+    ]
     read, write = os.pipe()
     os.close(read)
     with os.fdopen(write, "wb") as closed:

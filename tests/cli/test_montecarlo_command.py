@@ -121,7 +121,7 @@ class TestOneRunAgain:
         assert "the same as recorded, bit for bit" in said
         with (finished / "run-7.csv").open() as file:
             rows = list(csv.reader(file))
-        assert rows[0] == ["t", "q1", "q2", "q1_dot", "q2_dot", "lambda_rim", "u_q1", "u_q2", "Phi_rim"]
+        assert rows[0] == ["t", "q1", "q2", "q1_dot", "q2_dot", "lambda_rim", "u_q1", "u_q2", "phi_rim"]
         table = np.array(rows[1:], dtype=float)
         recorded = next(
             json.loads(each)

@@ -22,7 +22,18 @@ def design(tmp_path, capsys):
             text = text.replace(old, new)
         path = tmp_path / "arm.yaml"
         path.write_text(text, encoding="utf-8")
-        code = main(["design", str(path), "--no-pdf", "--no-attraction", "--out", str(tmp_path / "out"), *arguments])
+        code = main(
+            [
+                "design",
+                str(path),
+                "--no-pdf",
+                "--no-attraction",
+                "--no-simulation",
+                "--out",
+                str(tmp_path / "out"),
+                *arguments,
+            ]
+        )
         return code, *capsys.readouterr()
 
     return run

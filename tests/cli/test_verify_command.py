@@ -25,7 +25,7 @@ PLANE = ROOT / "models" / "spatial_6r_plane.yaml"
 def finished(tmp_path_factory) -> Path:
     """The folder of one whole run."""
     folder = tmp_path_factory.mktemp("finished")
-    assert main(["design", str(PENDULUM), "--no-pdf", "--out", str(folder)]) == 0
+    assert main(["design", str(PENDULUM), "--no-pdf", "--no-simulation", "--out", str(folder)]) == 0
     return folder
 
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 import firmtouch
 from firmtouch.modelfile.sections.bounds import Bounds
-from firmtouch.regulation import Gains, close_loop, control_law
+from firmtouch.regulation import Gains, close_loop, closed_loop_equilibrium, control_law
 from firmtouch.regulation.controllers import Controller
 
 SIZES = st.integers(2, 7).flatmap(lambda n: st.tuples(st.just(n), st.integers(1, n - 1)))
@@ -162,22 +162,10 @@ def test_worst_tilts_and_rotations_are_attained_and_never_exceeded(random_loop, 
     assert np.linalg.norm(worst.cause) == pytest.approx(angle * np.linalg.norm(op.lambda_d) * (m > 1), abs=1e-12)
 
 
-def equilibrium(loop, *, d=0.0, Delta=0.0, R=None, E=0.0, plant=None):
-    """Solve 0 = u(q, 0, lambda) - P_q + (R J + E)^T lambda + d and R Phi + E (q - q_d) = Delta by Newton's method."""
-    op, gains = loop.operating_point, loop.gains
-    plant, R, E = plant or op.plant, np.eye(op.m) if R is None else R, E * np.ones((op.m, op.n))
-    q, lambda_ = op.q_d, op.lambda_d
-    for _ in range(12):
-        dq, A = q - op.q_d, R @ plant.J(q) + E
-        u = gains.bias - gains.W @ dq + op.J.T @ gains.G_f @ (lambda_ - op.lambda_d)  # Eq. (17) at rest
-        residual = np.concatenate([u - plant.P_q(q) + A.T @ lambda_ + d, R @ plant.Phi(q) + E @ dq - Delta])
-        stiffness = gains.W + plant.P_qq(q) - np.tensordot(R.T @ lambda_, plant.Phi_qq(q), axes=1)
-        matrix = np.block([[-stiffness, A.T + op.J.T @ gains.G_f], [A, np.zeros((op.m, op.m))]])
-        step = np.linalg.solve(matrix, -residual)
-        q, lambda_ = q + step[: op.n], lambda_ + step[op.n :]
-    # Newton's method has converged; dq of order 1e-2 and lambda of order 1e2 keep twelve digits at least.
-    assert np.abs(step).max() < 1e-10 * max(1.0, np.abs(op.lambda_d).max())
-    return q - op.q_d, lambda_ - op.lambda_d
+def equilibrium(loop, **causes):
+    """Give (dq, dlambda) of the exact equilibrium."""
+    op, rest = loop.operating_point, closed_loop_equilibrium(loop, **causes)
+    return rest.q - op.q_d, rest.lambda_ - op.lambda_d
 
 
 def gravity_of(plant, factor):

@@ -44,6 +44,11 @@ class Report:
         return json.loads(json.dumps(design_as_json(self.design), allow_nan=False))
 
     @property
+    def pictures(self) -> int:
+        """How many pictures there must be: mechanism, poles, eigenvalues, and two of a force loop with a path."""
+        return 3 if self.model.spec.force_path is None else 5
+
+    @property
     def figures(self) -> list[Figure]:
         return [block for section in self.document.sections for block in section.blocks if isinstance(block, Figure)]
 
@@ -72,7 +77,7 @@ def pendulum_with() -> Callable[..., Report]:
     def make(**sections) -> Report:
         data = YAML(typ="safe", pure=True).load(text)
         for key, value in sections.items():
-            data[key] = data[key] | value if isinstance(value, dict) else value
+            data[key] = data.get(key, {}) | value if isinstance(value, dict) else value
         return Report(firmtouch.parse_model(json.dumps(data).encode(), name="pendulum"))
 
     return make

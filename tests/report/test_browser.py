@@ -134,9 +134,9 @@ def test_nothing_overflows_the_width(seen):
     assert seen.overflow <= 0
 
 
-def test_every_formula_and_every_picture_is_visible(seen):
+def test_every_formula_and_every_picture_is_visible(seen, report):
     assert seen.maths > 20
-    assert seen.pictures == 3
+    assert seen.pictures == report.pictures
     assert seen.flat == []
     assert seen.empty == []
     assert seen.invisible == []

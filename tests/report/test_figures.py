@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from firmtouch.regulation.closed_loop import Positivity
-from firmtouch.report.figures import eigenvalue_chart, mechanism_picture, s_plane
+from firmtouch.report.figures import eigenvalue_chart, mechanism_picture, nyquist_picture, s_plane, stiffness_picture
 from firmtouch.report.figures.canvas import ARM, FORCE, SURFACE_EDGE
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -80,6 +80,11 @@ def test_two_drawings_are_identical_to_the_byte(report):
         s_plane(design.achieved, design.requested),
         eigenvalue_chart(design.loop.full, design.loop.tangent),
     ]
+    force = design.force_loop
+    if force.given:
+        gains, modulus = [each.gain for each in force.loops], force.asked.modulus
+        again.append(nyquist_picture(force.path, gains, modulus))
+        again.append(stiffness_picture(force.sweep, "N/m", force.contact.poles.stiffness.tolist()))
     assert again == [figure.svg for figure in report.figures]
 
 

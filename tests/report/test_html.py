@@ -113,7 +113,8 @@ def test_the_verdict_is_a_sentence_at_the_top(report, page):
 
 
 def test_the_sections_are_those_of_a_design_report(page):
-    wanted = {"Model", "Operating point", "Gains", "Poles", "Positivity", "Steady-state errors", "Model checks"}
+    wanted = {"Model", "Operating point", "Gains", "Poles", "Positivity", "Force loop", "Steady-state errors"}
+    wanted |= {"Certificate", "Model checks"}
     assert wanted <= set(page.text("h2"))
 
 
@@ -126,9 +127,9 @@ def test_every_picture_and_every_formula_has_a_name(page):
     ] == []
 
 
-def test_there_is_a_picture_of_the_mechanism_of_the_poles_and_of_the_eigenvalues(report, page):
-    assert sum(tag == "figure" for tag, _ in page.elements) == len(report.figures) == 3
-    assert sum(tag == "figcaption" for tag, _ in page.elements) == 3
+def test_there_are_pictures_of_the_mechanism_the_poles_the_eigenvalues_and_the_force_loop(report, page):
+    assert sum(tag == "figure" for tag, _ in page.elements) == len(report.figures) == report.pictures
+    assert sum(tag == "figcaption" for tag, _ in page.elements) == report.pictures
 
 
 def test_two_renderings_are_identical(report):

@@ -101,7 +101,7 @@ def written(svg: str) -> list[str]:
 
 def test_the_sections_stand_in_the_order_in_which_one_reads(full):
     wanted = ["", "Model", "Operating point", "Specification", "Gains", "Poles", "Positivity", "Uncertainty", "Margins"]
-    assert titles(full.document) == [*wanted, "Steady-state errors", "Certificate", "Model checks"]
+    assert titles(full.document) == [*wanted, "Force loop", "Steady-state errors", "Certificate", "Model checks"]
 
 
 def test_a_design_by_poles_has_none_of_these_sections_and_loads_no_solver(shipped_report):

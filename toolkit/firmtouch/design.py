@@ -6,8 +6,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
-import numpy as np
-
 from firmtouch.certificate.attraction.comparison import Comparison, compare_attraction
 from firmtouch.certificate.attraction.finding import Finding, look_around
 from firmtouch.certificate.certificate import Certificate, certify
@@ -20,8 +18,11 @@ from firmtouch.mechanics.symbolic import SymbolicPlant
 from firmtouch.modelfile import ModelFile
 from firmtouch.regulation import ClosedLoop, OperatingPoint, SteadyState, find_operating_point, steady_state_errors
 from firmtouch.regulation.closed_loop import match_poles, pole_distance
+from firmtouch.regulation.force_loop import ForceLoop, analyse_force_loop, with_chosen_force_feedback
+from firmtouch.regulation.force_loop.warnings import force_warnings
 from firmtouch.regulation.operating_point import OffSurfaceError, project
 from firmtouch.regulation.uncertainty import IndefiniteInertiaError
+from firmtouch.simulation.trial import Trial, try_out
 from firmtouch.synthesis import assign_poles
 from firmtouch.synthesis.pole_assignment import requested_poles
 
@@ -42,9 +43,9 @@ MOST_DRAWN: Final = 2
 class Design:
     """A checked design: all that the reports and `design.json` tell.
 
-    `surroundings` is None until they are looked at, which may take a while.
+    `surroundings` is None until they are looked at, and `trial` until the loop is tried out in simulation.
     `requested` is empty, and `residual` zero, for a region design, which asks for no particular poles; `region` holds
-    what it does ask for, and is None for a pole assignment.
+    what it does ask for, and is None for a pole assignment. `model` holds numbers where the file left G_f to be chosen.
     """
 
     model: ModelFile
@@ -57,8 +58,10 @@ class Design:
     symbolic: SymbolicPlant | None
     scene: Scene | None
     region: RegionDesign | None
+    force_loop: ForceLoop
     certificate: Certificate
     surroundings: Surroundings | None
+    trial: Trial | None
     warnings: tuple[str, ...]
 
 
@@ -106,6 +109,7 @@ def find_gains(
     InputError
         If the file's intervals or objectives make no sense for the mechanism.
     """
+    model = replace(model, spec=with_chosen_force_feedback(model.spec))
     progress("deriving the mechanics")
     op = find_operating_point(derive_plant(model.spec))
     if model.spec.design.method == "region":
@@ -134,6 +138,7 @@ def design_model(
     InputError
         If the file's intervals or objectives make no sense for the mechanism.
     """
+    model = replace(model, spec=with_chosen_force_feedback(model.spec))
     found = find_gains(model, progress, front=front)
     spec, loop, region = model.spec, found.loop, found.region
     op = loop.operating_point
@@ -141,6 +146,8 @@ def design_model(
     checks, symbolic = check_model(model)
     if not checks.holds:
         raise ChecksFailedError(checks)
+    progress("looking at the force loop")
+    force_loop = analyse_force_loop(loop, spec)
     progress("proving the claims")
     certificate = certify(subject_of(op, loop.gains, _witness(region)))
     return Design(
@@ -154,10 +161,13 @@ def design_model(
         symbolic=symbolic,
         scene=_scene(loop),
         region=region,
+        force_loop=force_loop,
         certificate=certificate,
         surroundings=None,
+        trial=None,
         warnings=(
             *_warnings(loop),
+            *force_warnings(force_loop),
             *(_search_warnings(region) if region is not None else ()),
             *(f"Not proven: {each.words} ({each.verdict.value})." for each in certificate.open),
         ),
@@ -170,6 +180,14 @@ def look_around_design(design: Design) -> Design:
     drawn = finding.attraction is not None and finding.attraction.chart.free <= MOST_DRAWN
     comparison = compare_attraction(design.loop, finding.attraction) if drawn and finding.attraction else None
     return replace(design, surroundings=Surroundings(finding, comparison))
+
+
+def try_out_design(design: Design) -> Design:
+    """Add simulations of the nonlinear closed loop to a design, and warn of those that went wrong."""
+    trial = try_out(design.loop, design.steady_state)
+    bad = [each.trajectory for each in trial.runs if not each.trajectory.outcome.good]
+    warnings = tuple(f"Simulated, “{each.scenario.title}” {each.reason}." for each in bad)
+    return replace(design, trial=trial, warnings=(*design.warnings, *warnings))
 
 
 def _design_region(
@@ -222,12 +240,6 @@ def _warnings(loop: ClosedLoop) -> tuple[str, ...]:
     condition = float(loop.split.S[0] / loop.split.S[-1])
     if condition > ILL_CONDITIONED:
         warnings.append(f"J(q_d) has condition number {condition:.2g}: multipliers are hard to tell apart near here.")
-    strongest = float(np.max(np.linalg.eigvalsh(loop.gains.G_f)))
-    if strongest >= 1:
-        warnings.append(
-            f"The largest force-feedback gain is {strongest:.3g}. An undelayed force signal allows any, but one that "
-            "comes one sample late is stable only below 1."
-        )
     units = {each.unit for each in op.plant.spec.coordinates.values()}
     if len(units) > 1:
         warnings.append(

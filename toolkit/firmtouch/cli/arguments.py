@@ -13,10 +13,13 @@ EXAMPLES = """examples:
   firmtouch new polisher                    write polisher.yaml, a commented model file
   firmtouch check polisher.yaml             is the model what it says it is?
   firmtouch design polisher.yaml            gains, their proof and a report in reports/polisher/
+  firmtouch simulate reports/polisher       does it do that on the nonlinear mechanism?
   firmtouch verify reports/polisher/certificate.json --model polisher.yaml
   firmtouch montecarlo reports/polisher     a thousand drawn starts, parameters and disturbances
 
 exit codes: 0 good, 1 the answer is no, 2 the question was wrong"""
+
+LEAST_TOLERANCE, MOST_TOLERANCE = 1e-14, 1e-2
 
 
 def build_parser() -> argparse.ArgumentParser:
@@ -43,7 +46,21 @@ def build_parser() -> argparse.ArgumentParser:
     design.add_argument(
         "--no-attraction", action="store_true", help="prove no region of attraction, which takes longest"
     )
+    design.add_argument("--no-simulation", action="store_true", help="simulate nothing")
     design.set_defaults(run=_command("design"))
+
+    simulate = commands.add_parser(
+        "simulate", help="simulate the nonlinear closed loop in given or usual scenarios", description=_SIMULATE
+    )
+    simulate.add_argument("target", metavar="MODEL_OR_DESIGN", help="a model file, a design.json, or its folder")
+    simulate.add_argument("--scenario", metavar="FILE", help="a scenario file (YAML; default: the usual scenarios)")
+    simulate.add_argument("--only", metavar="NAME", help="one scenario alone")
+    simulate.add_argument("--out", metavar="DIR", help="where to write (default: reports/<model>/simulation)")
+    simulate.add_argument(
+        "--tolerance", type=_tolerance, default=1e-10, metavar="T", help="of the integrator (default: 1e-10)"
+    )
+    simulate.add_argument("--json", action="store_true", help="print simulation.json on stdout instead of words")
+    simulate.set_defaults(run=_command("simulate"))
 
     study = commands.add_parser(
         "montecarlo",
@@ -51,9 +68,7 @@ def build_parser() -> argparse.ArgumentParser:
         description=_MONTECARLO,
         epilog=_MONTECARLO_CODES,
     )
-    study.add_argument(
-        "target", metavar="MODEL_OR_DESIGN", help="a model file (YAML), or a folder of a finished design"
-    )
+    study.add_argument("target", metavar="MODEL_OR_DESIGN", help="a model file, a design.json, or its folder")
     study.add_argument("--scenario", metavar="FILE", help="a scenario file (default: the model itself, at rest at q_d)")
     study.add_argument("--name", metavar="SCENARIO", help="which scenario of the file, if it holds several")
     study.add_argument("--runs", metavar="N", type=int, default=1000, help="how many runs (default: 1000)")
@@ -111,6 +126,11 @@ _MONTECARLO_CODES = (
     "exit codes: 0 done, whatever the fraction; 1 a start inside the proven region did not converge, or --at-least is "
     "not reached; 2 the question was wrong"
 )
+_SIMULATE = (
+    "Simulate the nonlinear closed loop, and write simulation.json, simulation.html and a CSV file for each scenario; "
+    "exit code 1 if it diverges, loses contact, comes to rest elsewhere, or cannot be followed. "
+    "For a model, its gains are found first."
+)
 _CHECK = "Check models, one table each; exit code 1 if a check fails, 2 if a file cannot be read."
 _VERIFY = (
     "Derive the mechanics from the model file and prove every claim of a certificate again; exit code 1 if anything "
@@ -118,6 +138,13 @@ _VERIFY = (
 )
 _NEW = "Write NAME.yaml, a commented model file that works as it is."
 _SCHEMA = "Print the JSON Schema of model files, for editors that complete and check YAML."
+
+
+def _tolerance(text: str) -> float:
+    value = float(text)
+    if not LEAST_TOLERANCE <= value <= MOST_TOLERANCE:
+        raise argparse.ArgumentTypeError(f"{text} is not between {LEAST_TOLERANCE:g} and {MOST_TOLERANCE:g}")
+    return value
 
 
 def _command(name: str) -> Callable[[argparse.Namespace], int]:

@@ -28,10 +28,13 @@ def run(arguments: argparse.Namespace) -> int:
         if arguments.method is not None:
             model = model.with_method(arguments.method)
         progress("loading the design tools")
-        from firmtouch.design import design_model, look_around_design
+        from firmtouch.design import design_model, look_around_design, try_out_design
         from firmtouch.report import verdict, write_files
 
         design = design_model(model, progress, front=_pair(arguments.front))
+        if not arguments.no_simulation:
+            progress("simulating")
+            design = try_out_design(design)
         if not arguments.no_attraction:
             progress("proving a region of attraction")
             design = look_around_design(design)

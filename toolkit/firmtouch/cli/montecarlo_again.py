@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from firmtouch.cli import GOOD, NO
 from firmtouch.cli.console import results_console, working
+from firmtouch.cli.montecarlo_words import MEANINGS, Words
 from firmtouch.errors import InputError
 
 if TYPE_CHECKING:
@@ -19,11 +20,11 @@ if TYPE_CHECKING:
 
 def run_again(arguments: argparse.Namespace, study: Study, question: Mapping[str, Any], folder: Path) -> int:
     """Run it, write its table, and say whether it is what the folder holds."""
-    from firmtouch.cli.montecarlo_words import MEANINGS
     from firmtouch.montecarlo import run_labelled
-    from firmtouch.montecarlo.answer import drawn_as_json, trajectory_as_csv
+    from firmtouch.montecarlo.answer import drawn_as_json
     from firmtouch.montecarlo.journal import read_runs
     from firmtouch.montecarlo.record import read_label, record_as_json
+    from firmtouch.report.simulation_json import trajectory_as_csv
     from firmtouch.report.write import write_files
 
     label = read_label(arguments.once_more)
@@ -34,7 +35,7 @@ def run_again(arguments: argparse.Namespace, study: Study, question: Mapping[str
         record, trajectory = run_labelled(study, label)
     drawn = drawn_as_json(study, label)
     op = study.loop.operating_point
-    contents = {} if trajectory is None else {f"run-{label}.csv": trajectory_as_csv(trajectory, op)}
+    contents = {} if trajectory is None else {f"run-{label}.csv": trajectory_as_csv(trajectory, op).encode()}
     paths = write_files(folder, contents)
     same = None if known is None else record_as_json(known) == record_as_json(record)
     if arguments.json:
@@ -73,14 +74,14 @@ def _print(study: Study, record: Record, drawn: Mapping[str, Any], meaning: str)
     console.print(f"Run {record.label} of seed {study.seed}; drawn, in SI:", markup=False)
     console.print(table)
     console.print(f"\n{record.reason} ({meaning})", style="bold", markup=False, soft_wrap=True)
-    console.print(_figures(record), markup=False, soft_wrap=True)
+    console.print(_figures(record, Words(spec)), markup=False, soft_wrap=True)
 
 
-def _figures(record: Record) -> str:
+def _figures(record: Record, words: Words) -> str:
     parts = [
-        f"farthest from q_d {record.farthest:.3g} rad or m",
+        f"farthest from q_d {record.farthest:.3g} {words.coordinate}",
         f"at the end {record.distance:.3g} from rest",
-        f"largest force error {record.force:.3g} N or N m",
+        f"largest force error {record.force:.3g} {words.force}",
     ]
     if record.torque is not None:
         parts.append(f"up to {100 * record.torque:.3g} % of a drive's limit")

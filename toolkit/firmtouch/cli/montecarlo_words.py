@@ -11,14 +11,35 @@ if TYPE_CHECKING:
     import numpy as np
     from rich.console import Console
 
+    from firmtouch.modelfile import ModelSpec
     from firmtouch.montecarlo import Record, Sets, Study, Summary
     from firmtouch.montecarlo.summary import Worst
 
 MEANINGS: Final = {each.name.lower(): each.value for each in Outcome} | {
     "off_surface": "started where the true surface cannot be reached"
 }
-UNITS: Final = {"distance": "rad or m", "force": "N or N m", "torque": "of the limit"}
 MOST_SHOWN: Final = 3
+
+
+class Words:
+    """The units of a model, as they are printed; where they are mixed, all of them."""
+
+    def __init__(self, model: ModelSpec) -> None:
+        """Find them."""
+        from firmtouch.modelfile.vector_units import units_of
+
+        units = units_of(model)
+        self.coordinate = units.coordinate or "rad or m"
+        self.joint_force = units.joint_force or "N m or N"
+        self.offset = units.offset or "m or rad"
+        self.force = units.multiplier or "N or N m"
+
+    def figure(self, record: Record, name: str) -> str:
+        """Write one of a record's figures."""
+        value = getattr(record, name)
+        if name == "torque":
+            return f"{100 * value:.3g} % of it"
+        return f"{value:.3g} {self.coordinate if name == 'distance' else self.force}"
 
 
 def print_answer(study: Study, summary: Summary, *, seconds: float, again: str, at_least: float | None) -> None:
@@ -30,7 +51,7 @@ def print_answer(study: Study, summary: Summary, *, seconds: float, again: str, 
         console.print(f"  {count:6d}  {MEANINGS[name]}", markup=False)
     if summary.off_surface:
         console.print(f"  {summary.off_surface:6d}  {MEANINGS['off_surface']}: not counted", markup=False)
-    _print_worst(console, summary.worst)
+    _print_worst(console, summary.worst, Words(study.loop.operating_point.plant.spec))
     if any(each.records for each in summary.worst):
         console.print(f"one of them again: {again} NUMBER", markup=False, soft_wrap=True)
     _print_verdict(console, study, summary, again)
@@ -45,21 +66,25 @@ def print_draw(console: Console, study: Study) -> None:
         markup=False,
         soft_wrap=True,
     )
-    for name, words in _draws(study.sets, list(model.coordinates), list(model.constraints)):
+    for name, words in _draws(study.sets, model):
         console.print(f"  {name:<12} {words}", markup=False, soft_wrap=True)
 
 
-def _draws(sets: Sets, coordinates: list[str], constraints: list[str]) -> list[tuple[str, str]]:
+def _draws(sets: Sets, model: ModelSpec) -> list[tuple[str, str]]:
+    words, coordinates, constraints = Words(model), list(model.coordinates), list(model.constraints)
     lines = []
     if sets.position.any():
-        lines.append(("start", f"q within {_each(sets.position, coordinates, '±')} rad or m of the scenario's"))
+        lines.append(
+            ("start", f"q within {_each(sets.position, coordinates, '±')} {words.coordinate} of the scenario's")
+        )
     if sets.velocity.any():
-        lines.append(("", f"q' within {_each(sets.velocity, coordinates, '±')} rad/s or m/s"))
-    lines += [(name, f"{low:.4g} to {high:.4g} (SI)") for name, (low, high) in sets.parameters.items()]
+        lines.append(("velocity", f"q' within {_each(sets.velocity, coordinates, '±')} rad/s or m/s of the scenario's"))
+    for name, (low, high) in sets.parameters.items():
+        lines.append((name, f"{low:.4g} to {high:.4g} {model.parameters[name].unit}"))
     if sets.disturbance.any():
-        lines.append(("force", f"a constant one, up to {_each(sets.disturbance, coordinates)} N m or N"))
+        lines.append(("force", f"a constant one, up to {_each(sets.disturbance, coordinates)} {words.joint_force}"))
     if sets.offset.any():
-        lines.append(("offset", f"of the surface, up to {_each(sets.offset, constraints)} m or rad"))
+        lines.append(("offset", f"of the surface, up to {_each(sets.offset, constraints)} {words.offset}"))
     if sets.tilt:
         lines.append(("tilt", f"of the surface, up to {sets.tilt:.3g} rad"))
     if sets.rotation:
@@ -100,24 +125,18 @@ def percent(part: float) -> str:
     return f"{text.removesuffix('.0')} %"
 
 
-def _print_worst(console: Console, worst: tuple[Worst, ...]) -> None:
+def _print_worst(console: Console, worst: tuple[Worst, ...], words: Words) -> None:
     from rich.table import Table
 
     table = Table(box=None, pad_edge=False, header_style="bold")
-    for heading in ("worst runs", "number", "figure", "", "what came of it"):
-        table.add_column(heading, justify="right" if heading in ("number", "figure") else "left", overflow="fold")
+    for heading in ("worst runs", "number", "how far", "what came of it"):
+        table.add_column(heading, justify="right" if heading == "number" else "left", overflow="fold")
     for each in worst:
         for i, record in enumerate(each.records[:MOST_SHOWN]):
-            table.add_row("" if i else each.name, str(record.label), *figure(record, each.figure), record.reason)
+            table.add_row("" if i else each.name, str(record.label), words.figure(record, each.figure), record.reason)
     if table.row_count:
         console.print()
         console.print(table)
-
-
-def figure(record: Record, name: str) -> tuple[str, str]:
-    """Write one of a record's figures, and its unit."""
-    value = getattr(record, name)
-    return (f"{100 * value:.3g} %" if name == "torque" else f"{value:.3g}"), UNITS[name]
 
 
 def _print_verdict(console: Console, study: Study, summary: Summary, again: str) -> None:

@@ -26,8 +26,8 @@ parameters:
 
 # The generalised coordinates q, in order.
 coordinates:
-  q1: {{unit: rad, label: shoulder}}
-  q2: {{unit: rad, label: elbow}}
+  q1: {{unit: rad, effort: 60 N*m, label: shoulder}}   # effort: the most that the drive can do
+  q2: {{unit: rad, effort: 40 N*m, label: elbow}}
 
 # Names for intermediate expressions; each may use those above it.
 definitions:
@@ -55,7 +55,7 @@ mechanism:
 
 # phi = 0. lambda > 0 pushes the mechanism towards growing phi; with phi in metres, lambda is in newtons.
 constraints:
-  wall: {{expression: d - x(tip), unit: m}}
+  wall: {{expression: d - x(tip), unit: m, one_sided: true}}   # one_sided: it cannot pull
 
 # Where to rest, and how hard to press. `guess` is projected onto the constraints; `q_d` must lie on them.
 operating_point:
@@ -66,8 +66,11 @@ operating_point:
 design:
   method: poles
   poles: [-6, -8]
-  force_feedback: 0.8                    # G_f: a number, one for each constraint, or a matrix
+  force_feedback: 0.8                    # G_f: a number, one for each constraint, a matrix, or auto (see force_path)
   normal_blocks: decouple                # or reject, or {{policy: blend, weight: 0.5}}
+
+# How the measured force comes to the controller: what bounds the force feedback.
+# force_path: {{bandwidth: 80 Hz, sample: 1 ms, margins: {{gain: 2, modulus: 0.5}}, contact_stiffness: 1e4 N/m}}
 
 # How large the causes of steady-state errors may be.
 bounds:

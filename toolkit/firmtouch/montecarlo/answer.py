@@ -1,13 +1,9 @@
-"""`montecarlo.json`, schema `firmtouch.montecarlo/1`, and the table of one run."""
+"""`montecarlo.json`, schema `firmtouch.montecarlo/1`."""
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Mapping
 from typing import Any, Final
-
-import numpy as np
 
 from firmtouch.montecarlo.draw import draw, generator
 from firmtouch.montecarlo.proven import start_inside
@@ -15,9 +11,7 @@ from firmtouch.montecarlo.question import plain
 from firmtouch.montecarlo.record import Label, Record, record_as_json
 from firmtouch.montecarlo.study import Study
 from firmtouch.montecarlo.summary import CONFIDENCE, Summary
-from firmtouch.regulation import OperatingPoint
 from firmtouch.simulation.scenario import Scenario
-from firmtouch.simulation.trajectory import Trajectory
 
 SCHEMA: Final = "firmtouch.montecarlo/1"
 
@@ -75,17 +69,3 @@ def drawn_as_json(study: Study, label: Label) -> dict[str, Any]:
 
 def _with_draw(study: Study, record: Record) -> dict[str, Any]:
     return record_as_json(record) | {"drawn": drawn_as_json(study, record.label)}
-
-
-def trajectory_as_csv(trajectory: Trajectory, op: OperatingPoint) -> bytes:
-    """Write a run as a table: t, q, q', lambda, u, and the true constraints' residual, in SI, full precision."""
-    coordinates, constraints = list(op.plant.spec.coordinates), list(op.plant.spec.constraints)
-    heads = ["t", *coordinates, *(f"{each}_dot" for each in coordinates)]
-    heads += [f"lambda_{each}" for each in constraints]
-    heads += [f"u_{each}" for each in coordinates] + [f"Phi_{each}" for each in constraints]
-    columns = (trajectory.t[:, None], trajectory.q, trajectory.qdot, trajectory.lambda_, trajectory.u, trajectory.Phi)
-    text = io.StringIO()
-    table = csv.writer(text, lineterminator="\n")
-    table.writerow(heads)
-    table.writerows(np.hstack(columns).tolist())
-    return text.getvalue().encode()

@@ -16,7 +16,7 @@ from firmtouch.montecarlo.sets import Sets
 from firmtouch.regulation import ClosedLoop
 from firmtouch.regulation.controllers import Controller
 from firmtouch.regulation.operating_point import OffSurfaceError
-from firmtouch.simulation.from_file import usual_duration
+from firmtouch.simulation.from_file import drive_limits, usual_duration
 from firmtouch.simulation.run import Simulator, build_simulator, simulate
 from firmtouch.simulation.scenario import Feedback, Scenario, Start
 from firmtouch.simulation.trajectory import Outcome, Trajectory
@@ -24,12 +24,9 @@ from firmtouch.simulation.world import nominal_world
 
 PROVEN: Final = (Controller.AFFINE, Controller.ENERGY_WITH_FORCE)
 """The controllers (15) and (11) that [T10] is about."""
-SETTLE: Final = 3.0
-"""How long a start inside a proven region is followed at once, in units of the usual duration."""
-MOST_STRETCHES: Final = 10
-"""And how many times that at most: near another equilibrium a motion lingers."""
-LONGER: Final = 2.0
-"""How long a study without a scenario file simulates, in the same units: drawn plants may be slower."""
+MOST_STRETCHES: Final = 20
+"""How many times the usual duration a start inside a proven region is followed at most: near another equilibrium a
+motion lingers."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,10 +48,12 @@ class Study:
 
 
 def nominal_scenario(loop: ClosedLoop) -> Scenario:
-    """Give the scenario of a study without a file: controller (17), the model itself, at rest at q_d."""
+    """Give the scenario of a study without a file: controller (17), the model with its drives, at rest at q_d."""
     op = loop.operating_point
     start = Start(op.q_d, frozen(np.zeros(op.n)))
-    return Scenario("nominal", "the model itself", Feedback(), start, nominal_world(op), LONGER * usual_duration(loop))
+    return Scenario(
+        "nominal", "the model itself", Feedback(limits=drive_limits(op)), start, nominal_world(op), usual_duration(loop)
+    )
 
 
 def build_study(loop: ClosedLoop, base: Scenario, sets: Sets, *, seed: int, regions: tuple[Region, ...] = ()) -> Study:
@@ -126,11 +125,8 @@ def _joined(parts: list[Trajectory], scenario: Scenario) -> Trajectory:
 
 def _inside(loop: ClosedLoop, controller: Controller) -> Scenario:
     """Give what the proof is about: the model itself, undisturbed, drives without limits, an ideal force path."""
-    base = nominal_scenario(loop)
     title = f"inside the proven region, controller ({controller.value})"
-    return replace(
-        base, name="inside", title=title, feedback=Feedback(controller), duration=SETTLE * usual_duration(loop)
-    )
+    return replace(nominal_scenario(loop), name="inside", title=title, feedback=Feedback(controller))
 
 
 def _bilateral(loop: ClosedLoop) -> ClosedLoop:

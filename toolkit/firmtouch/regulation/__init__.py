@@ -2,6 +2,7 @@
 
 from firmtouch.regulation.closed_loop import ClosedLoop, Poles, Positivity, close_loop
 from firmtouch.regulation.controllers import closed_loop_acceleration, control_law
+from firmtouch.regulation.equilibrium import Equilibrium, NoEquilibriumError, closed_loop_equilibrium
 from firmtouch.regulation.gains import Gains
 from firmtouch.regulation.operating_point import OperatingPoint, find_operating_point, project
 from firmtouch.regulation.split import Split, split_directions
@@ -10,7 +11,9 @@ from firmtouch.regulation.steady_state import SteadyState, SteadyStateError, ste
 
 __all__ = [
     "ClosedLoop",
+    "Equilibrium",
     "Gains",
+    "NoEquilibriumError",
     "OperatingPoint",
     "Poles",
     "Positivity",
@@ -19,6 +22,7 @@ __all__ = [
     "SteadyStateError",
     "close_loop",
     "closed_loop_acceleration",
+    "closed_loop_equilibrium",
     "control_law",
     "find_operating_point",
     "project",

@@ -8,7 +8,7 @@ import casadi as ca
 import numpy as np
 
 from firmtouch.mechanics import Array
-from firmtouch.mechanics.arrays import call_vector, frozen
+from firmtouch.mechanics.arrays import call, call_vector, frozen, symmetric
 from firmtouch.mechanics.symbols import Symbols
 from firmtouch.modelfile import Expression
 from firmtouch.regulation.gains import Gains
@@ -22,6 +22,11 @@ class Controller(Enum):
     ENERGY_WITH_FORCE = 11
     AFFINE = 15
     AFFINE_WITH_FORCE = 17
+
+    @property
+    def feels_force(self) -> bool:
+        """Tell whether the contact force is fed back."""
+        return self in (Controller.ENERGY_WITH_FORCE, Controller.AFFINE_WITH_FORCE)
 
 
 def control_law(
@@ -56,6 +61,13 @@ def energy_gradient(op: OperatingPoint, P_d: Expression) -> Array:
     """Give Pd_q(q_d) (n) of a desired potential energy: f_d, where (q_d, lambda_d) is to be an equilibrium."""
     symbols = Symbols(op.plant.spec)
     return call_vector(ca.Function("Pd_q", [symbols.q], [ca.densify(_gradient(op, symbols, P_d))]), op.q_d)
+
+
+def energy_hessian(op: OperatingPoint, P_d: Expression) -> Array:
+    """Give Pd_qq(q_d) (n x n) of a desired potential energy; K of Eq. (10) is Pd_qq - sum of lambda_dj Phi_j''."""
+    symbols = Symbols(op.plant.spec)
+    slope = ca.jacobian(_gradient(op, symbols, P_d), symbols.q)
+    return symmetric(call(ca.Function("Pd_qq", [symbols.q], [ca.densify(slope)]), op.q_d))
 
 
 def _gradient(op: OperatingPoint, symbols: Symbols, P_d: Expression) -> ca.SX:

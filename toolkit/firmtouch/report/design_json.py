@@ -9,7 +9,9 @@ from firmtouch.design import Design
 from firmtouch.mechanics import Array
 from firmtouch.regulation import SteadyStateError
 from firmtouch.regulation.closed_loop import Positivity
+from firmtouch.report.force_loop_json import force_loop_as_json
 from firmtouch.report.region_json import region_as_json
+from firmtouch.report.simulation_json import run_as_json, steady_state_as_json
 
 SCHEMA: Final = "firmtouch.design/1"
 
@@ -50,10 +52,22 @@ def design_as_json(design: Design) -> dict[str, Any]:
         },
         "positivity": {"full": _positivity(loop.full), "tangent": _positivity(loop.tangent)},
         "steady_state": {name: _error(getattr(errors, name)) for name in ("force", "offset", "rotation", "tilt")},
+        "force_loop": force_loop_as_json(design.force_loop),
         **(region_as_json(design.region) if design.region is not None else {}),
+        **({"simulation": _simulation(design)} if design.trial is not None else {}),
         "certified": design.certificate.certified,
         "checks": [{"name": each.name, "holds": each.holds} for each in design.checks.results],
         "warnings": list(design.warnings),
+    }
+
+
+def _simulation(design: Design) -> dict[str, Any] | None:
+    trial, op = design.trial, design.loop.operating_point
+    if trial is None:
+        return None
+    return {
+        "scenarios": [run_as_json(each.trajectory, op) for each in trial.runs],
+        "steady_state": steady_state_as_json(trial.steady_state),
     }
 
 

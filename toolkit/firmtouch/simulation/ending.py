@@ -24,9 +24,15 @@ def contact_signs(op: OperatingPoint) -> Array:
 
 
 def lost_contact(samples: Samples, signs: Array) -> int | None:
-    """Find the first instant from which the force of a one-sided contact pulls, or would before the next instant.
+    """Find the first instant at which the force of a one-sided contact pulls."""
+    pulls = np.any(signs[:, None] * samples.lambda_ < 0, axis=0)
+    return int(np.argmax(pulls)) if np.any(pulls) else None
 
-    Between instants lambda is taken as the parabola through three of them, so that a short dip is not missed.
+
+def may_lose_contact(samples: Samples, signs: Array) -> int | None:
+    """Find the first instant at which it pulls, or next to which it does if lambda is a parabola through three.
+
+    The instants must be evenly spaced, and lambda smooth.
     """
     force = signs[:, None] * samples.lambda_
     pulls = np.any(force < 0, axis=0)

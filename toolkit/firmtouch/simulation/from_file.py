@@ -19,8 +19,8 @@ from firmtouch.regulation.force_loop.path import as_force_path
 from firmtouch.simulation.scenario import Feedback, Noise, Scenario, Start
 from firmtouch.simulation.world import Disturbance, World
 
-SETTLED: Final = 8.0
-"""How long is simulated by default, in units of 1/|slowest decay rate|: twice what settling to 2 % takes."""
+SETTLED: Final = 16.0
+"""How long is simulated by default, in units of 1/|slowest decay rate|: four times what settling to 2 % takes."""
 BALANCED: Final = 1e-6
 """How far Pd_q(q_d) may be from f_d, relative to it: file values are rounded."""
 
@@ -61,7 +61,7 @@ def scenario_of(name: str, spec: ScenarioSpec, loop: ClosedLoop) -> Scenario:
 
 
 def usual_duration(loop: ClosedLoop) -> float:
-    """Give twice the time that the loop needs to settle, to two digits, in s."""
+    """Give four times the time that the loop needs to settle, to two digits, in s."""
     slowest = min(abs(each.real) for each in loop.poles.reduced)
     return float(f"{SETTLED / max(slowest, 1e-3):.2g}")
 

@@ -2,27 +2,31 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
+from firmtouch.mechanics import Array
 from firmtouch.mechanics.arrays import frozen
 from firmtouch.regulation import ClosedLoop, OperatingPoint
+from firmtouch.regulation.equilibrium import Equilibrium, NoEquilibriumError, solve_rest
 from firmtouch.simulation.continuous import ContinuousRun, Integrator, build_integrator, even_points
 from firmtouch.simulation.dae import Dae, Input, derive_dae, parameters_of
-from firmtouch.simulation.ending import contact_signs, lost_contact, ran_away
+from firmtouch.simulation.ending import contact_signs, lost_contact, may_lose_contact, ran_away
 from firmtouch.simulation.samples import Samples
 from firmtouch.simulation.scenario import Scenario
 from firmtouch.simulation.start import consistent_start
 from firmtouch.simulation.stepwise import Stepper, build_stepper, run_stepwise
-from firmtouch.simulation.trajectory import Equilibrium, Outcome, Trajectory
+from firmtouch.simulation.trajectory import Outcome, Trajectory
 from firmtouch.simulation.world import World
 
 TOLERANCE: Final = 1e-10
 ARRIVED: Final = 1e-3
 """Distance from an equilibrium (rad or m) and speed (per second) that count as rest there, by default."""
-NEWTON_STEPS: Final = 30
+AT_REST: Final = 1e-5
+"""Distance from q_d (rad or m) of which no word is worth making."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,13 +64,16 @@ def simulate(
     distance = float(np.max(np.abs(projection.q - op.q_d)))
     signs = contact_signs(op)
 
-    def ended(samples: Samples) -> int | None:
+    def ended(samples: Samples, lost: Callable[[Samples, Array], int | None] = lost_contact) -> int | None:
         away = ran_away(samples, loop, distance)
-        found = [each for each in (lost_contact(samples, signs), away and away[0]) if each is not None]
+        found = [each for each in (lost(samples, signs), away and away[0]) if each is not None]
         return min(found, default=None)
 
+    def suspected(samples: Samples) -> int | None:
+        return ended(samples, may_lose_contact)
+
     if isinstance(machine, Integrator):
-        samples, failed = ContinuousRun(dae, machine, ended).follow(world, x, scenario.duration)
+        samples, failed = ContinuousRun(dae, machine, ended, suspected).follow(world, x, scenario.duration)
     else:
         samples, failed = run_stepwise(dae, machine, scenario, x, ended)
     rest = find_equilibrium(dae, world, float(samples.t[-1]))
@@ -81,19 +88,16 @@ def simulate(
 
 def find_equilibrium(dae: Dae, world: World, t: float) -> Equilibrium | None:
     """Find where the closed loop rests near the regulation point under what acts just after t, by Newton's method."""
-    op = dae.loop.operating_point
     parameters = parameters_of(dae, world, t=t)
-    at = np.concatenate([op.q_d, op.lambda_d])
-    scale = 1 + float(np.max(np.abs(op.lambda_d))) + float(np.max(np.abs(op.g)))
-    for _ in range(NEWTON_STEPS):
-        error, slope = (each.full() for each in dae.residual(at, parameters))
-        if not (np.all(np.isfinite(error)) and np.all(np.isfinite(slope))):
-            return None
-        step = np.linalg.lstsq(slope, error.ravel(), rcond=None)[0]
-        at = at - step
-        if np.max(np.abs(step[: op.n])) < 1e-12 and np.max(np.abs(step[op.n :])) < 1e-12 * scale:
-            return Equilibrium(frozen(at[: op.n]), frozen(at[op.n :]))
-    return None
+
+    def balance(q: Array, lambda_: Array) -> tuple[Array, Array]:
+        error, slope = (each.full() for each in dae.residual(np.concatenate([q, lambda_]), parameters))
+        return error.ravel(), slope
+
+    try:
+        return solve_rest(dae.loop.operating_point, balance)
+    except NoEquilibriumError:
+        return None
 
 
 def _ended_early(samples: Samples, loop: ClosedLoop, distance: float) -> tuple[Outcome, str] | None:
@@ -120,9 +124,11 @@ def _failed(t: float | None) -> tuple[Outcome, str] | None:
 def _at_the_end(samples: Samples, op: OperatingPoint, rest: Equilibrium | None) -> tuple[Outcome, str]:
     """Tell whether the last sample is at rest, and where."""
     t, q, qdot = float(samples.t[-1]), samples.x[: op.n, -1], samples.x[op.n : 2 * op.n, -1]
-    speed, where = float(np.max(np.abs(qdot))), f"{np.max(np.abs(q - op.q_d)):.2g} rad or m from q_d"
+    unit = " or ".join(sorted({each.unit for each in op.plant.spec.coordinates.values()}, reverse=True))
+    speed, distance = float(np.max(np.abs(qdot))), float(np.max(np.abs(q - op.q_d)))
+    where = "at q_d" if distance < AT_REST else f"{distance:.2g} {unit} from q_d"
     if speed > ARRIVED:
-        return Outcome.MOVING, f"still moved at {t:.4g} s, at up to {speed:.2g} rad/s or m/s"
+        return Outcome.MOVING, f"still moved at {t:.4g} s, at up to {speed:.2g} {unit} per second"
     if rest is not None and np.max(np.abs(q - rest.q)) <= ARRIVED:
         return Outcome.CONVERGED, f"came to rest {where}"
     return Outcome.ELSEWHERE, f"came to rest at another equilibrium, {where}"

@@ -24,7 +24,14 @@ class Samples:
 
     def upto(self, end: int) -> Samples:
         """Give the first instants alone."""
-        return Samples(self.t[:end], self.x[:, :end], self.lambda_[:, :end], self.u[:, :end], self.Phi[:, :end])
+        return self._slice(slice(end))
+
+    def since(self, begin: int) -> Samples:
+        """Give the instants from one on."""
+        return self._slice(slice(begin, None))
+
+    def _slice(self, part: slice) -> Samples:
+        return Samples(self.t[part], self.x[:, part], self.lambda_[:, part], self.u[:, part], self.Phi[:, part])
 
 
 def joined(parts: Sequence[Samples]) -> Samples:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 from firmtouch.mechanics import Array
+from firmtouch.regulation.equilibrium import Equilibrium
 from firmtouch.simulation.scenario import Scenario
 
 
@@ -23,14 +24,6 @@ class Outcome(Enum):
     def good(self) -> bool:
         """Tell whether nothing went wrong; a run that is short, or swings because it is pushed, may still move."""
         return self in (Outcome.CONVERGED, Outcome.MOVING)
-
-
-@dataclass(frozen=True, slots=True)
-class Equilibrium:
-    """Where the closed loop rests in a world, q (n) and lambda (m)."""
-
-    q: Array
-    lambda_: Array
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,6 +13,7 @@ from firmtouch.mechanics.arrays import frozen, symmetric
 from firmtouch.modelfile.sections.design import DesignSpec
 from firmtouch.regulation import ClosedLoop, Gains, OperatingPoint, close_loop, split_directions
 from firmtouch.regulation.closed_loop import match_poles, pole_distance
+from firmtouch.regulation.force_loop.choice import force_feedback_of
 from firmtouch.synthesis.mode_shapes import choose_mode_shapes
 from firmtouch.synthesis.normal_blocks import damping_blocks, stiffness_blocks
 from firmtouch.synthesis.pairing import Mode
@@ -100,7 +101,7 @@ def pole_assignment_gains(op: OperatingPoint, design: DesignSpec) -> Gains:
     return Gains(
         W=symmetric(stiffness(modes, Q) - op.N0),  # Step 6
         C=split.assemble(damping_blocks(C22, M, design.normal_blocks)),  # Step 5
-        G_f=frozen(design.force_feedback),
+        G_f=force_feedback_of(design),
         bias=frozen(op.g - op.f_d),
     )
 

@@ -83,7 +83,7 @@ class ForcePathSpec(Section):
     @model_validator(mode="after")
     def _some_path(self) -> ForcePathSpec:
         if self.bandwidth is None and self.delay is None and self.sample is None:
-            refuse(Problem("at least one of `bandwidth`, `delay` and `sample` is needed", at_key=True))
+            refuse(Problem("at least one of `bandwidth`, `delay` and `sample` is needed"))
         if self.delay is not None and self.sample is not None:
             steps = self.delay / self.sample
             if abs(steps - round(steps)) > WHOLE * steps or round(steps) == 0:

@@ -169,7 +169,7 @@ class ScenarioSpec(Section):
 
     title: Text | None = Field(None, description="a line for the reader")
     duration: Annotated[float, quantity_in("s", least=1e-3, most=LONGEST)] | None = Field(
-        None, description="how long is simulated; by default twice what the loop needs to settle"
+        None, description="how long is simulated; by default four times what the loop needs to settle"
     )
     controller: Literal[5, 11, 15, 17] = Field(17, description="the control law, by its equation's number")
     P_d: Annotated[Expression, expression_in("J")] | None = Field(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from firmtouch.design import Design
 from firmtouch.mechanics import Array
 from firmtouch.modelfile.vector_units import units_of
@@ -9,6 +11,8 @@ from firmtouch.regulation import SteadyStateError
 from firmtouch.report.contents.operating_point import as_matrix
 from firmtouch.report.document import Block, Equation, Line, Math, Matrices, Paragraph, Section, Table
 from firmtouch.report.numbers import number, vector
+from firmtouch.simulation.steady import EXACT, SimulatedError
+from firmtouch.simulation.trajectory import Outcome
 
 
 def section(design: Design) -> Section:
@@ -66,40 +70,55 @@ def section(design: Design) -> Section:
 def _worst(design: Design) -> Table:
     errors, units = design.steady_state, units_of(design.model.spec)
     m = design.loop.operating_point.m
-    named: list[tuple[str, str, SteadyStateError, str]] = [
-        ("constant force", "d", errors.force, units.joint_force),
-        ("surface offset", "Delta", errors.offset, units.offset),
-        ("surface tilt", "E^T lambda_d", errors.tilt, "rad"),
+    simulated = design.trial.steady_state if design.trial is not None else None
+    named: list[tuple[str, str, str, str]] = [
+        ("force", "constant force", "d", units.joint_force),
+        ("offset", "surface offset", "Delta", units.offset),
+        ("tilt", "surface tilt", "E^T lambda_d", "rad"),
     ]
     if m > 1:
-        named.append(("rotation", "(R^T - I) lambda_d", errors.rotation, "rad"))
+        named.append(("rotation", "rotation", "(R^T - I) lambda_d", "rad"))
     rows: list[tuple[Line, ...]] = []
-    for words, symbol, error, unit in named:
-        bound = (f"{words}, {_bound(error.bound, unit)}{'' if error.given else ' (no bound given)'}",)
-        for effect, worst, of_effect in (
-            ("delta q", error.worst_position, units.coordinate),
-            ("delta lambda", error.worst_constraint_force, units.multiplier),
+    for name, words, symbol, unit in named:
+        error: SteadyStateError = getattr(errors, name)
+        tried = getattr(simulated, name) if simulated is not None else (None, None)
+        first: Line = (f"{words}, {_bound(error.bound, unit)}{'' if error.given else ' (no bound given)'}",)
+        for effect, worst, of_effect, found in (
+            ("delta q", error.worst_position, units.coordinate, tried[0]),
+            ("delta lambda", error.worst_constraint_force, units.multiplier, tried[1]),
         ):
             if worst.value > 0:
                 cause: Line = (Math(symbol), f" = {vector(worst.cause)}")
-                first = bound if effect == "delta q" or error.worst_position.value == 0 else ("",)
-                rows.append(
-                    (
-                        first,
-                        (Math(f"abs({effect})"),),
-                        (f"{number(worst.value, 3)} {of_effect}",),
-                        cause,
-                        (vector(worst.effect),),
-                    )
-                )
-    headings: tuple[Line, ...] = (("cause, bound",), ("",), ("worst",), ("taken at",), ("where the effect is",))
-    return Table(
-        headings,
-        tuple(rows),
-        frozenset({2}),
-        ("Worst cases, with the direction in which they are taken.",),
-        frozenset({3, 4}),
+                value: Line = (f"{number(worst.value, 3)} {of_effect}".rstrip(),)
+                cells = [first, (Math(f"abs({effect})"),), value, cause, (vector(worst.effect),)]
+                if simulated is not None:
+                    cells.insert(3, _simulated(found, of_effect))
+                rows.append(tuple(cells))
+                first = ("",)
+    headings: list[Line] = [("cause, bound",), ("",), ("worst",), ("taken at",), ("where the effect is",)]
+    caption = "Worst cases, with the direction in which they are taken."
+    if simulated is None:
+        return Table(tuple(headings), tuple(rows), frozenset({2}), (caption,), frozenset({3, 4}))
+    headings.insert(3, ("simulated",))
+    caption += (
+        " Simulated: what the nonlinear loop came to rest with, how far that is from the prediction, relative to it, "
+        "and the order with which this falls as the cause is halved twice: 1 where the prediction is exact in first "
+        "order."
     )
+    return Table(tuple(headings), tuple(rows), frozenset({2}), (caption,), frozenset({3, 4, 5}))
+
+
+def _simulated(found: SimulatedError | None, unit: str) -> Line:
+    if found is None:
+        return ("",)
+    whole = found.parts[0] == 1
+    share = "" if whole else f" for {number(float(found.parts[0]), 2)} of it"
+    value = f"{number(float(np.linalg.norm(found.effects[0])), 3)} {unit}".rstrip()
+    if found.outcome is not Outcome.CONVERGED:
+        return (f"{value}{share}: {found.outcome.value}",)
+    off = number(100 * float(found.deviations[0]), 2) if found.deviations[0] > EXACT else "0"
+    order = "" if np.isnan(found.order) else f", order {number(found.order, 2)}"
+    return (f"{value}{share}, {off} % off{order}",)
 
 
 def _bound(bound: float | Array, unit: str) -> str:

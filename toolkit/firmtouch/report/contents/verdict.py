@@ -21,9 +21,19 @@ def verdict(design: Design) -> str:
     return (
         f"{_standing(design)}: {_loop(design)}, {matrices}, "
         f"and all {len(design.checks.results)} model checks hold; "
-        f"after any small disturbance the mechanism returns to q_d and its constraint force"
+        f"{_signal(design)}after any small disturbance the mechanism returns to q_d and its constraint force"
         f"{'s' if spec.m > 1 else ''} to lambda_d{settling(design)}."
     )
+
+
+def _signal(design: Design) -> str:
+    """Say under which condition the promise is made, where the file's own force path or contact breaks it."""
+    force = design.force_loop
+    if not force.stable:
+        return "with the file's `force_path` the force loop is unstable; only with a force signal that came at once, "
+    if force.contact is not None and force.contact.poles is not None and not force.contact.poles.stable:
+        return "at the file's `contact_stiffness` the loop is unstable; only with a rigid contact, "
+    return ""
 
 
 def _standing(design: Design) -> str:

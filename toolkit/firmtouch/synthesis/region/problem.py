@@ -16,6 +16,7 @@ from firmtouch.modelfile import ModelSpec
 from firmtouch.modelfile.sections.structure import Structure
 from firmtouch.modelfile.vector_units import Units, units_of
 from firmtouch.regulation import Gains, OperatingPoint, Split, split_directions
+from firmtouch.regulation.force_loop.choice import force_feedback_of
 from firmtouch.regulation.tangent import Tangent
 from firmtouch.regulation.uncertainty import Polytope, uncertain_parameters, uncertainty_polytope, vertex_point
 from firmtouch.synthesis.region.audit import Audit, audit
@@ -120,7 +121,7 @@ def build_problem(op: OperatingPoint, spec: ModelSpec) -> RegionProblem:
         terms=terms,
         objective=region.objective,
         structure=region.structure,
-        G_f=frozen(spec.design.force_feedback),
+        G_f=force_feedback_of(spec.design),
         feedback_limit=None if region.force_feedback_limit is None else frozen(region.force_feedback_limit),
         disturbance=_disturbance(spec),
         units=units_of(spec),

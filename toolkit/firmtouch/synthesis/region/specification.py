@@ -12,6 +12,7 @@ from firmtouch.modelfile import ModelSpec
 from firmtouch.modelfile.sections.region import NO_WEIGHT, GainBound, RegionSpec
 from firmtouch.modelfile.sections.region import TorqueLimit as TorqueSpec
 from firmtouch.modelfile.vector_units import joint_units, units_of
+from firmtouch.regulation.force_loop.choice import force_feedback_of
 from firmtouch.synthesis.region.terms.bandwidth import Bandwidth
 from firmtouch.synthesis.region.terms.damping import Damping
 from firmtouch.synthesis.region.terms.decay import Decay
@@ -102,7 +103,7 @@ def _errors(spec: ModelSpec, region: RegionSpec) -> Iterator[Term]:
         semi_axes = _by_coordinate(spec.bounds.disturbance, spec)
         yield PositionError(asked=region.position_error, unit=units.coordinate, semi_axes=semi_axes)
     asked = region.force_error
-    Lambda = np.linalg.inv(np.eye(spec.m) + np.array(spec.design.force_feedback))
+    Lambda = np.linalg.inv(np.eye(spec.m) + force_feedback_of(spec.design))
     if asked is not None and asked.disturbance is not None and spec.bounds.disturbance is not None:
         yield DisturbanceForceError(
             asked=asked.disturbance,

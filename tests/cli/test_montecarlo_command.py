@@ -35,7 +35,7 @@ def finished(tmp_path_factory) -> Path:
 def design(tmp_path_factory) -> Path:
     """The folder of a finished design, with its proven region."""
     folder = tmp_path_factory.mktemp("design")
-    assert main(["design", MODEL, "--out", str(folder), "--no-pdf"]) == 0
+    assert main(["design", MODEL, "--out", str(folder), "--no-pdf", "--no-simulation"]) == 0
     return folder
 
 

@@ -18,7 +18,6 @@ from firmtouch.montecarlo.proven import potential, regions_of_finding, start_ins
 from firmtouch.montecarlo.question import question_of
 from firmtouch.montecarlo.record import OFF, read_label, record_as_json, record_from_json
 from firmtouch.simulation.run import simulate
-from firmtouch.simulation.trajectory import Outcome
 
 LABELS = [Label(False, i) for i in range(1, 31)]
 
@@ -48,13 +47,14 @@ class TestARun:
         assert record.farthest == np.max(np.abs(trajectory.q - op.q_d))
         assert record.distance == np.max(np.abs(trajectory.q[-1] - trajectory.rest.q))
         assert record.force == np.max(np.abs(trajectory.lambda_ - op.lambda_d))
-        assert (record.t, record.torque, record.V) == (study.base.duration, None, None)
+        assert record.torque == np.max(np.abs(trajectory.u) / study.base.feedback.limits)
+        assert (record.t, record.V, record.pulled) == (study.base.duration, None, False)
 
-    def test_the_part_of_a_drives_limit_is_kept_where_there_is_one(self, study):
-        feedback = replace(study.base.feedback, limits=np.array([20.0, np.inf]))
-        limited = build_study(study.loop, replace(study.base, feedback=feedback), study.sets, seed=5)
-        record, trajectory = run_labelled(limited, LABELS[1])
-        assert record.torque == pytest.approx(np.max(np.abs(trajectory.u[:, 0])) / 20, rel=1e-15)
+    def test_without_limits_there_is_no_part_of_one(self, study):
+        base = replace(study.base, feedback=replace(study.base.feedback, limits=None))
+        record, _ = run_labelled(build_study(study.loop, base, study.sets, seed=5), LABELS[1])
+        assert record.torque is None
+        assert summarise([record]).worst[-1].records == ()
 
     def test_a_start_that_misses_the_surface_is_no_run(self, circle, study):
         far = Sets(np.zeros(2), np.zeros(2), {}, np.zeros(2), np.array([5.0]), 0.0, 0.0)  # metres: out of reach
@@ -116,7 +116,9 @@ class TestSummary:
         by_name = {each.figure: each.records for each in found.worst}
         assert by_name["force"][0].force == max(each.force for each in records)
         assert all(not each.converged for each in by_name["distance"])
-        assert by_name["torque"] == ()
+        assert [each.torque for each in by_name["torque"]] == sorted((each.torque for each in records), reverse=True)[
+            :5
+        ]
         assert found == summarise([off, *records])
 
 
@@ -218,12 +220,7 @@ class TestInsideTheProof:
             if record in found.contradictions:
                 assert not (box.holds(trajectory.q[0]) and record.V < box.level)
 
-    def test_contacts_may_pull_there_and_it_is_told(self, circle, study, regions):
-        op = circle.operating_point
-        spec = op.plant.spec
-        one_sided = {name: each.model_copy(update={"one_sided": True}) for name, each in spec.constraints.items()}
-        plant = replace(op.plant, spec=spec.model_copy(update={"constraints": one_sided}))
-        loop = replace(circle, operating_point=replace(op, plant=plant, lambda_d=op.lambda_d))
-        inside = build_study(loop, study.base, study.sets, seed=2, regions=regions[:1])
-        assert not inside.bilateral.operating_point.plant.spec.constraints["rim"].one_sided
-        assert run_labelled(inside, Label(True, 1))[0].outcome == Outcome.CONVERGED.name.lower()
+    def test_contacts_may_pull_there(self, circle, study):
+        constraints = [each.operating_point.plant.spec.constraints["rim"] for each in (circle, study.bilateral)]
+        assert [each.one_sided for each in constraints] == [True, False]
+        assert study.bilateral.gains == circle.gains

@@ -19,7 +19,8 @@ POINTS: Final = 400
 """Instants that are kept of each stretch."""
 SHORTEST: Final = 1e-3
 """A stretch that cannot be integrated is halved down to this part of it, to find out when it fails."""
-MOST_STEPS: Final = 100_000
+MOST_STEPS: Final = 10_000
+"""For one stretch; one that needs more is halved too."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,8 +109,8 @@ class ContinuousRun:
         if length < shortest:
             return observed(self.dae, np.array([t]), x[:, None], parameters), t
         left, failed = self._stretch(x, t, length / 2, parameters, shortest=shortest)
-        if failed is not None:
-            return left, failed
+        if failed is not None or self.ended(left) is not None:
+            return left, failed  # what comes after the end may be hard to follow, and need not be
         right, failed = self._stretch(left.x[:, -1], t + length / 2, length / 2, parameters, shortest=shortest)
         return joined([left, right]), failed
 

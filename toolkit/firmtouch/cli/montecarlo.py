@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from firmtouch.regulation import ClosedLoop
     from firmtouch.simulation.scenario import Scenario
 
-MOST_RUNS: Final = 10_000_000
+MOST_RUNS: Final = 1_000_000
 LEAST_INSIDE: Final = 50
 """How many runs start inside what is proven: this many, or a tenth of the others."""
 SIGN_OF_LIFE: Final = 30.0

@@ -31,7 +31,9 @@ FARTHEST: Final = 4.0
 """In the same units."""
 NEWTON_STEPS: Final = 12
 ON_SURFACE: Final = 1e-11
-MOST_TRIALS: Final = 2000
+MOST_TRIALS: Final = 1000
+SHRINK: Final = 0.98
+"""After each failure a box is drawn from that is smaller by this: V may be below the level near q_d alone."""
 AT_REST: Final = 0.5
 """The part of the starts that are at rest."""
 
@@ -109,9 +111,8 @@ def start_inside(loop: ClosedLoop, region: Region, rng: np.random.Generator) -> 
     NoStartError
         If none was found.
     """
-    draw = _in_the_box if region.whole else _along_a_ray
-    for _ in range(MOST_TRIALS):
-        q = draw(loop, region, rng)
+    for trial in range(MOST_TRIALS):
+        q = _in_the_box(loop, region, rng, SHRINK**trial) if region.whole else _along_a_ray(loop, region, rng)
         if q is not None and region.holds(q) and potential(loop, q) < INSIDE * region.level:
             qdot, kinetic = _velocity(loop, q, INSIDE * region.level - potential(loop, q), rng)
             return Start(frozen(q), frozen(qdot)), potential(loop, q) + kinetic
@@ -135,11 +136,11 @@ def _along_a_ray(loop: ClosedLoop, region: Region, rng: np.random.Generator) -> 
     return None if there is None else there[1]
 
 
-def _in_the_box(loop: ClosedLoop, region: Region, rng: np.random.Generator) -> Array | None:
-    """Draw from a box of joint coordinates, and go to the surface nearby."""
+def _in_the_box(loop: ClosedLoop, region: Region, rng: np.random.Generator, size: float) -> Array | None:
+    """Draw from a box of joint coordinates, or a smaller one, and go to the surface nearby."""
     chart = region.chart
     try:
-        beside = region.half_width * np.array(region.units) * rng.uniform(-1, 1, len(chart.q_d))
+        beside = size * region.half_width * np.array(region.units) * rng.uniform(-1, 1, len(chart.q_d))
         return project(loop.operating_point.plant, chart.q_d + beside).q
     except OffSurfaceError:
         return None

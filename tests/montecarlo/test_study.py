@@ -17,7 +17,9 @@ from firmtouch.montecarlo.journal import NAME, Journal, OtherQuestionError, read
 from firmtouch.montecarlo.proven import potential, regions_of_finding, start_inside
 from firmtouch.montecarlo.question import question_of
 from firmtouch.montecarlo.record import OFF, read_label, record_as_json, record_from_json
+from firmtouch.simulation.continuous import Integrator
 from firmtouch.simulation.run import simulate
+from firmtouch.simulation.trajectory import Outcome
 
 LABELS = [Label(False, i) for i in range(1, 31)]
 
@@ -224,3 +226,13 @@ class TestInsideTheProof:
         constraints = [each.operating_point.plant.spec.constraints["rim"] for each in (circle, study.bilateral)]
         assert [each.one_sided for each in constraints] == [True, False]
         assert study.bilateral.gains == circle.gains
+
+
+def test_what_comes_after_a_lost_contact_is_not_followed(circle, study, monkeypatch):
+    # Without contact this motion becomes so fast after 0.83 s that its integrator fails again and again.
+    count, call = [], Integrator.__call__
+    monkeypatch.setattr(Integrator, "__call__", lambda self, *words: count.append(1) or call(self, *words))
+    record, _ = run_labelled(replace(study, seed=1), Label(False, 48))
+    assert record.outcome == Outcome.CONTACT_LOST.name.lower()
+    assert record.t == pytest.approx(0.826, abs=1e-3)
+    assert len(count) < 10  # the whole, halves of it until one can be followed, and a close look

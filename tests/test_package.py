@@ -12,7 +12,17 @@ import pytest
 import firmtouch
 
 ROOT = Path(__file__).parents[1]
-PARTS = ("mechanics", "regulation", "regulation.force_loop", "synthesis", "checks", "modelfile", "oracle", "report")
+PARTS = (
+    "mechanics",
+    "regulation",
+    "regulation.force_loop",
+    "synthesis",
+    "checks",
+    "modelfile",
+    "oracle",
+    "report",
+    "simulation",
+)
 HEAVY = (
     "casadi",
     "sympy",

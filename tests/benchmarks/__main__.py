@@ -10,6 +10,7 @@ from tests.benchmarks import (
     first_design,
     montecarlo_speed,
     region_speed,
+    simulation_speed,
     six_joints,
     start,
 )
@@ -18,8 +19,17 @@ from tests.benchmarks.measure import Figure
 
 def main() -> int:
     measured: list[Figure] = []
-    modules = (start, first_design, six_joints, region_speed, decentralised, certificate_speed, montecarlo_speed)
-    for benchmark in modules:
+    chosen = (
+        start,
+        first_design,
+        six_joints,
+        region_speed,
+        decentralised,
+        certificate_speed,
+        simulation_speed,
+        montecarlo_speed,
+    )
+    for benchmark in chosen:
         for each in benchmark.figures():
             measured.append(each)
             mark = "ok   " if each.holds else "FAILS"

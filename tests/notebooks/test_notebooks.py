@@ -41,10 +41,37 @@ EXPECTED = {
         "level": ([0.97155, 0.078336], 2e-2),
         "half_width": ([0.20883], 0.1),  # the last step of the search is bisected twice
     },
+    # Integrated to 1e-10, and printed to five digits. A bound is told as (half of it, 1): anything from 0 to it.
+    "04_simulation": {
+        "good": (5, 0),
+        "peaks": ([7.3728, 2.3135, 0.60338], 1e-4),
+        "orders": ([1.1772, 1.0678, 1.0054, 0.99271], 1e-3),  # differences of a thousandth of what is integrated
+        "deviations": ([0.36115, 0.042292], 1e-3),
+        "drift": (0.5e-8, 1),
+        "balance": ([0.5e-5] * 3, 1),  # Simpson's rule over 3 ms, poles up to 15 1/s
+        "kept": (0.5e-8, 1),
+        "left": ([0.89556, 0.88179, 0.86918, 0.86714, 0.86692], 1e-3),  # a rest, but for exp(-9 * 3)
+        "ratios": ([0.95, 1.05], 1e-5),  # exact: each step is -g times the one before
+        "bound": ([1.51979], 1e-4),  # sqrt(1 + (w_c tau_f)^2)
+        "swings": ([0.0502, 72.03], 0.05),  # the largest at the instants that are kept, a few in each period
+        "lost": ([0.355, 1 / 6], 1e-3),  # 2 N * 1.05^72 / 2.05 > 30 N + 2 N / 2.05; 60 sin(pi t) = 30
+        "workshop": ([30.518, 0.42195], 1e-2),  # 1000 samples of drawn noise
+        "mujoco": ([0.0018903, 0.03001], 1e-2),  # what MuJoCo's default contact gives way may change with it
+    },
 }
 
 
-@pytest.mark.parametrize("path", sorted(NOTEBOOKS.glob("*.ipynb")), ids=lambda path: path.stem)
+LONG = {"02_region_design", "03_proof"}
+"""Searches and proofs of half a minute each."""
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        pytest.param(path, id=path.stem, marks=pytest.mark.slow if path.stem in LONG else ())
+        for path in sorted(NOTEBOOKS.glob("*.ipynb"))
+    ],
+)
 def test_a_notebook_runs_and_its_numbers_are_right(path):
     notebook = nbformat.read(path, as_version=4)
     NotebookClient(notebook, timeout=120, resources={"metadata": {"path": str(NOTEBOOKS)}}).execute()

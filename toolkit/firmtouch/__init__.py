@@ -3,6 +3,7 @@
 The walk from a model file to a report, each step a function from value to value:
 
     read_model -> derive_plant -> find_operating_point -> assign_poles -> steady_state_errors -> design_model
+                                                                       -> usual_scenarios -> simulate
 
 Names are loaded when they are first used, so that importing the package costs nothing.
 """
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     from firmtouch.design import Design, design_model
     from firmtouch.errors import Diagnostic, FirmtouchError, InputError, ModelFileError, NoDesignError
     from firmtouch.mechanics import Plant, derive_plant
-    from firmtouch.modelfile import ModelFile, ModelSpec, parse_model, read_model
+    from firmtouch.modelfile import ModelFile, ModelSpec, parse_model, parse_scenarios, read_model, read_scenarios
     from firmtouch.regulation import (
         ClosedLoop,
         Gains,
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
         find_operating_point,
         steady_state_errors,
     )
+    from firmtouch.simulation import Scenario, Trajectory, predict, scenarios_of, simulate, try_out, usual_scenarios
     from firmtouch.synthesis import assign_poles
     from firmtouch.synthesis.region import NoGainsError, RegionDesign, design_region
 
@@ -42,7 +44,7 @@ _HOMES: Final = {
     "design": ("Design", "design_model"),
     "errors": ("Diagnostic", "FirmtouchError", "InputError", "ModelFileError", "NoDesignError"),
     "mechanics": ("Plant", "derive_plant"),
-    "modelfile": ("ModelFile", "ModelSpec", "parse_model", "read_model"),
+    "modelfile": ("ModelFile", "ModelSpec", "parse_model", "parse_scenarios", "read_model", "read_scenarios"),
     "regulation": (
         "ClosedLoop",
         "Gains",
@@ -51,6 +53,15 @@ _HOMES: Final = {
         "close_loop",
         "find_operating_point",
         "steady_state_errors",
+    ),
+    "simulation": (
+        "Scenario",
+        "Trajectory",
+        "predict",
+        "scenarios_of",
+        "simulate",
+        "try_out",
+        "usual_scenarios",
     ),
     "synthesis": ("assign_poles",),
     "synthesis.region": ("NoGainsError", "RegionDesign", "design_region"),
@@ -74,8 +85,10 @@ __all__ = [
     "OperatingPoint",
     "Plant",
     "RegionDesign",
+    "Scenario",
     "SteadyState",
     "Subject",
+    "Trajectory",
     "assign_poles",
     "certify",
     "check_model",
@@ -85,9 +98,16 @@ __all__ = [
     "design_region",
     "find_operating_point",
     "parse_model",
+    "parse_scenarios",
+    "predict",
     "read_model",
+    "read_scenarios",
+    "scenarios_of",
+    "simulate",
     "steady_state_errors",
     "subject_of",
+    "try_out",
+    "usual_scenarios",
 ]
 
 

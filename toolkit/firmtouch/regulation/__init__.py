@@ -1,7 +1,7 @@
 """Plant + regulation point -> `OperatingPoint` -> `ClosedLoop`: controllers, poles, steady-state errors."""
 
 from firmtouch.regulation.closed_loop import ClosedLoop, Poles, Positivity, close_loop
-from firmtouch.regulation.controllers import closed_loop_acceleration, control_law
+from firmtouch.regulation.controllers import Controller, closed_loop_acceleration, control_law
 from firmtouch.regulation.equilibrium import Equilibrium, NoEquilibriumError, closed_loop_equilibrium
 from firmtouch.regulation.gains import Gains
 from firmtouch.regulation.operating_point import OperatingPoint, find_operating_point, project
@@ -11,6 +11,7 @@ from firmtouch.regulation.steady_state import SteadyState, SteadyStateError, ste
 
 __all__ = [
     "ClosedLoop",
+    "Controller",
     "Equilibrium",
     "Gains",
     "NoEquilibriumError",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Final
@@ -15,12 +16,16 @@ from firmtouch.simulation.dae import Dae, parameters_of
 from firmtouch.simulation.samples import Samples, joined, observed
 from firmtouch.simulation.world import World
 
-POINTS: Final = 400
+POINTS: Final = 250
 """Instants that are kept of each stretch."""
+PER_PERIOD: Final = 16
+"""Instants that are kept, at least, of each period of the fastest pole or disturbance: no dip is stepped over."""
+CLOSE: Final = 1e-5
+"""How close (s) the kept instants become where a run ends before its time."""
 SHORTEST: Final = 1e-3
 """A stretch that cannot be integrated is halved down to this part of it, to find out when it fails."""
 MOST_STEPS: Final = 10_000
-"""For one stretch; one that needs more is halved too."""
+"""Steps of CVODES after which a stretch is halved: where nothing can be followed, it would go on for ever."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,35 +73,41 @@ def even_points() -> Array:
 
 @dataclass(frozen=True, slots=True)
 class ContinuousRun:
-    """A loop to be followed; `ended` tells the first of some samples at which the run is over, if there is one.
-
-    `suspected` tells it already where the run may be over between a sample and its neighbours.
-    """
+    """A loop to be followed; `ended` tells the first of some samples after which the run is over, if there is one."""
 
     dae: Dae
     integrator: Integrator
     ended: Callable[[Samples], int | None]
-    suspected: Callable[[Samples], int | None]
 
     def follow(self, world: World, x: Array, duration: float) -> tuple[Samples, float | None]:
         """Integrate from x at t = 0; gives the samples, and when the integrator failed, if it did.
 
-        Where the run is over before its time, the instants become 400 times as dense, and the first of them after
-        which it is over is the last one.
+        Where it seems to be over before its time, the instants become as dense as CLOSE says, and the first of them
+        at which it is over is the last one.
         """
-        borders = [0.0, *(each for each in world.changes if each < duration), duration]
+        borders = self._borders(world, duration)
         parts: list[Samples] = []
         for t, until in itertools.pairwise(borders):
             parameters = parameters_of(self.dae, world, t=t)
             stretch, failed = self._stretch(x, t, until - t, parameters, shortest=SHORTEST * (until - t))
-            over = self._over(stretch, parameters)
-            if over is not None:
-                return joined([*parts, over]), None
+            ending = self._ending(stretch, parameters)
+            if ending is not None:
+                return joined([*parts, ending]), None
             parts.append(stretch)
             if failed is not None:
                 return joined(parts), failed
             x = stretch.x[:, -1]
         return joined(parts), None
+
+    def _borders(self, world: World, duration: float) -> list[float]:
+        """Give the times between which the run is one stretch."""
+        fastest = max(abs(each) for each in (*self.dae.loop.poles.reduced, *(one.omega for one in world.sinusoids)))
+        longest = POINTS * 2 * np.pi / (PER_PERIOD * fastest) if fastest else duration
+        changes = [0.0, *(each for each in world.changes if each < duration), duration]
+        borders = [changes[0]]
+        for begin, end in itertools.pairwise(changes):
+            borders += list(np.linspace(begin, end, math.ceil((end - begin) / longest) + 1)[1:])
+        return borders
 
     def _stretch(
         self, x: Array, t: float, length: float, parameters: Array, *, shortest: float
@@ -109,23 +120,26 @@ class ContinuousRun:
         if length < shortest:
             return observed(self.dae, np.array([t]), x[:, None], parameters), t
         left, failed = self._stretch(x, t, length / 2, parameters, shortest=shortest)
-        if failed is not None or self.ended(left) is not None:
-            return left, failed  # what comes after the end may be hard to follow, and need not be
+        if failed is not None or self.ended(left.since(-1)) is not None:
+            return left, failed  # what has run away may take ever shorter steps
         right, failed = self._stretch(left.x[:, -1], t + length / 2, length / 2, parameters, shortest=shortest)
         return joined([left, right]), failed
 
-    def _over(self, stretch: Samples, parameters: Array) -> Samples | None:
-        """Give a stretch up to where the run is over, having looked closely around it; None if it is not."""
-        seen = 0
-        while (stop := self.suspected(stretch.since(seen))) is not None:
-            stop += seen
+    def _ending(self, stretch: Samples, parameters: Array) -> Samples | None:
+        """Give the stretch up to where the run is over, or None where a closer look finds that it is not."""
+        looked = 0
+        while (found := self.ended(stretch.since(looked))) is not None:
+            stop = looked + found
             begin, until = max(0, stop - 1), min(stop + 1, stretch.t.size - 1)
-            if stop == 0 or begin == until:
-                return stretch.upto(stop + 1)
             t, length = float(stretch.t[begin]), float(stretch.t[until] - stretch.t[begin])
+            if stop == 0 or length < CLOSE:
+                if self.ended(stretch.since(stop).upto(1)) is not None:
+                    return stretch.upto(stop + 1)
+                looked = max(stop, looked + 1)
+                continue
             closely, _ = self._stretch(stretch.x[:, begin], t, length, parameters, shortest=length)
-            last = self.ended(closely)
-            if last is not None:
-                return joined([stretch.upto(begin), closely.upto(last + 1)])
-            seen = stop + 1
+            ending = self._ending(closely, parameters)
+            if ending is not None:
+                return joined([stretch.upto(begin), ending])
+            looked = max(stop, looked + 1)
         return None

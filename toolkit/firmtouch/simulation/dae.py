@@ -18,6 +18,7 @@ from firmtouch.mechanics import Array
 from firmtouch.mechanics.arrays import frozen
 from firmtouch.regulation import ClosedLoop
 from firmtouch.regulation.controllers import control_law
+from firmtouch.simulation.saturation import saturated_multipliers
 from firmtouch.simulation.scenario import Feedback
 from firmtouch.simulation.world import World
 
@@ -132,8 +133,8 @@ def derive_dae(loop: ClosedLoop, feedback: Feedback, *, sinusoids: int = 0) -> D
     xdot = ca.vertcat(qdot, motion.acceleration(u, lambda_), ydot)
     return Dae(
         loop, feedback, source, filtered, sinusoids, layout,
-        rate=ca.Function("rate", [t, x, column], [ca.densify(xdot)]),
-        outputs=ca.Function("outputs", [t, x, column], [ca.densify(lambda_), ca.densify(u), ca.densify(motion.Phi)]),
+        rate=ca.Function("rate", [t, x, column], ca.cse([ca.densify(xdot)])),
+        outputs=ca.Function("outputs", [t, x, column], ca.cse([ca.densify(each) for each in (lambda_, u, motion.Phi)])),
         law=law,
         residual=_static(loop, feedback, law, column, given),
     )  # fmt: skip
@@ -244,21 +245,17 @@ class _Motion:
     def close(self, law: ca.Function) -> tuple[ca.SX, ca.SX]:
         """Solve the algebraic loop u = law(lambda), lambda = multipliers(u); gives both.
 
-        The law is affine in lambda. With limits the loop is piecewise affine, which Newton's method solves in finitely
-        many steps, of which n + 2 are written out: one for each drive that may be at its limit, and two.
+        The law is affine in lambda; with limits the loop is piecewise affine.
         """
-        n, m = self._q.numel(), self._reach.shape[0]
+        m = self._reach.shape[0]
         u_0 = law(self._q, self._qdot, ca.SX.zeros(m)) + self._given["bias_error"]
         probe = ca.SX.sym("probe", m)
         B = ca.substitute(ca.jacobian(law(self._q, self._qdot, probe), probe), probe, ca.SX.zeros(m))
         steady = -self.drift - self._pull.T @ self.forces
         lambda_ = ca.solve(self._reach + self._pull.T @ B, steady - self._pull.T @ u_0)
-        for _ in range(n + 2 if self._limited else 0):
-            wanted = u_0 + B @ lambda_
-            free = ca.fabs(wanted) < self._given["limits"]
-            error = self._reach @ lambda_ + self._pull.T @ self.limited(wanted) - steady
-            slope = self._reach + self._pull.T @ (ca.repmat(free, 1, m) * B)
-            lambda_ -= ca.solve(slope, error)
+        if self._limited:
+            limits = self._given["limits"]
+            lambda_ = saturated_multipliers(self._reach, self._pull, steady, u_0=u_0, B=B, limits=limits, first=lambda_)
         return self.limited(u_0 + B @ lambda_), lambda_
 
 

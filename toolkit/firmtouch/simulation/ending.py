@@ -24,24 +24,21 @@ def contact_signs(op: OperatingPoint) -> Array:
 
 
 def lost_contact(samples: Samples, signs: Array) -> int | None:
-    """Find the first instant at which the force of a one-sided contact pulls."""
-    pulls = np.any(signs[:, None] * samples.lambda_ < 0, axis=0)
-    return int(np.argmax(pulls)) if np.any(pulls) else None
+    """Find the first instant from which the force of a one-sided contact pulls, or would before the next instant.
 
-
-def may_lose_contact(samples: Samples, signs: Array) -> int | None:
-    """Find the first instant at which it pulls, or next to which it does if lambda is a parabola through three.
-
-    The instants must be evenly spaced, and lambda smooth.
+    Between evenly spaced instants lambda is taken as the parabola through three of them, so that a short dip is not
+    missed; elsewhere it may jump.
     """
-    force = signs[:, None] * samples.lambda_
+    force = signs[:, None] * np.where(np.isfinite(samples.lambda_), samples.lambda_, 0.0)  # `ran_away` has the others
+    steps = np.diff(samples.t)
+    even = np.isclose(steps[1:], steps[:-1], rtol=1e-3, atol=0.0)
     pulls = np.any(force < 0, axis=0)
     before, here, after = force[:, :-2], force[:, 1:-1], force[:, 2:]
     bend, slope = (before - 2 * here + after) / 2, (after - before) / 2
     with np.errstate(divide="ignore", invalid="ignore"):
         lowest = here - slope**2 / (4 * bend)
         dips = (bend > 0) & (np.abs(slope) < 2 * bend) & (lowest < 0)
-    pulls[1:-1] |= np.any(dips, axis=0)
+    pulls[1:-1] |= np.any(dips, axis=0) & even
     return int(np.argmax(pulls)) if np.any(pulls) else None
 
 

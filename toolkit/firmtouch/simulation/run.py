@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
@@ -14,7 +13,7 @@ from firmtouch.regulation import ClosedLoop, OperatingPoint
 from firmtouch.regulation.equilibrium import Equilibrium, NoEquilibriumError, solve_rest
 from firmtouch.simulation.continuous import ContinuousRun, Integrator, build_integrator, even_points
 from firmtouch.simulation.dae import Dae, Input, derive_dae, parameters_of
-from firmtouch.simulation.ending import contact_signs, lost_contact, may_lose_contact, ran_away
+from firmtouch.simulation.ending import contact_signs, lost_contact, ran_away
 from firmtouch.simulation.samples import Samples
 from firmtouch.simulation.scenario import Scenario
 from firmtouch.simulation.start import consistent_start
@@ -24,7 +23,7 @@ from firmtouch.simulation.world import World
 
 TOLERANCE: Final = 1e-10
 ARRIVED: Final = 1e-3
-"""Distance from an equilibrium (rad or m) and speed (per second) that count as rest there, by default."""
+"""Distance from an equilibrium (rad or m), speed (per second) and part of the forces that count as rest there."""
 AT_REST: Final = 1e-5
 """Distance from q_d (rad or m) of which no word is worth making."""
 
@@ -64,16 +63,13 @@ def simulate(
     distance = float(np.max(np.abs(projection.q - op.q_d)))
     signs = contact_signs(op)
 
-    def ended(samples: Samples, lost: Callable[[Samples, Array], int | None] = lost_contact) -> int | None:
+    def ended(samples: Samples) -> int | None:
         away = ran_away(samples, loop, distance)
-        found = [each for each in (lost(samples, signs), away and away[0]) if each is not None]
+        found = [each for each in (lost_contact(samples, signs), away and away[0]) if each is not None]
         return min(found, default=None)
 
-    def suspected(samples: Samples) -> int | None:
-        return ended(samples, may_lose_contact)
-
     if isinstance(machine, Integrator):
-        samples, failed = ContinuousRun(dae, machine, ended, suspected).follow(world, x, scenario.duration)
+        samples, failed = ContinuousRun(dae, machine, ended).follow(world, x, scenario.duration)
     else:
         samples, failed = run_stepwise(dae, machine, scenario, x, ended)
     rest = find_equilibrium(dae, world, float(samples.t[-1]))
@@ -100,9 +96,15 @@ def find_equilibrium(dae: Dae, world: World, t: float) -> Equilibrium | None:
         return None
 
 
+def _force_scale(op: OperatingPoint) -> float:
+    return 1 + float(np.max(np.abs(op.lambda_d))) + float(np.max(np.abs(op.g)))
+
+
 def _ended_early(samples: Samples, loop: ClosedLoop, distance: float) -> tuple[Outcome, str] | None:
     """Tell whether the last sample is where the run had to end."""
     op, t = loop.operating_point, float(samples.t[-1])
+    if not np.all(np.isfinite(samples.lambda_[:, -1])):
+        return _failed(t)
     away = ran_away(samples, loop, distance)
     if away is not None:
         return Outcome.DIVERGED, f"diverged at {t:.4g} s: {away[1]}"
@@ -130,5 +132,8 @@ def _at_the_end(samples: Samples, op: OperatingPoint, rest: Equilibrium | None) 
     if speed > ARRIVED:
         return Outcome.MOVING, f"still moved at {t:.4g} s, at up to {speed:.2g} {unit} per second"
     if rest is not None and np.max(np.abs(q - rest.q)) <= ARRIVED:
+        away = float(np.max(np.abs(samples.lambda_[:, -1] - rest.lambda_)))
+        if away > ARRIVED * _force_scale(op):
+            return Outcome.MOVING, f"the contact force still moved at {t:.4g} s, {away:.3g} (in SI) from its rest"
         return Outcome.CONVERGED, f"came to rest {where}"
     return Outcome.ELSEWHERE, f"came to rest at another equilibrium, {where}"

@@ -70,7 +70,7 @@ def build_parser() -> argparse.ArgumentParser:
     )
     study.add_argument("target", metavar="MODEL_OR_DESIGN", help="a model file, a design.json, or its folder")
     study.add_argument("--scenario", metavar="FILE", help="a scenario file (default: the model itself, at rest at q_d)")
-    study.add_argument("--name", metavar="SCENARIO", help="which scenario of the file, if it holds several")
+    study.add_argument("--name", "--only", metavar="SCENARIO", help="which scenario of the file, if it holds several")
     study.add_argument("--runs", metavar="N", type=int, default=1000, help="how many runs (default: 1000)")
     study.add_argument("--seed", metavar="N", type=int, default=1, help="another seed draws others (default: 1)")
     study.add_argument("--jobs", metavar="N", type=int, help="how many processes (default: one for each core)")

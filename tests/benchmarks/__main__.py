@@ -8,6 +8,7 @@ from tests.benchmarks import (
     certificate_speed,
     decentralised,
     first_design,
+    montecarlo_speed,
     region_speed,
     simulation_speed,
     six_joints,
@@ -18,7 +19,16 @@ from tests.benchmarks.measure import Figure
 
 def main() -> int:
     measured: list[Figure] = []
-    chosen = (start, first_design, six_joints, region_speed, decentralised, certificate_speed, simulation_speed)
+    chosen = (
+        start,
+        first_design,
+        six_joints,
+        region_speed,
+        decentralised,
+        certificate_speed,
+        simulation_speed,
+        montecarlo_speed,
+    )
     for benchmark in chosen:
         for each in benchmark.figures():
             measured.append(each)

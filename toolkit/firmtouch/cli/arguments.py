@@ -15,6 +15,7 @@ EXAMPLES = """examples:
   firmtouch design polisher.yaml            gains, their proof and a report in reports/polisher/
   firmtouch simulate reports/polisher       does it do that on the nonlinear mechanism?
   firmtouch verify reports/polisher/certificate.json --model polisher.yaml
+  firmtouch montecarlo reports/polisher     a thousand drawn starts, parameters and disturbances
 
 exit codes: 0 good, 1 the answer is no, 2 the question was wrong"""
 
@@ -61,6 +62,33 @@ def build_parser() -> argparse.ArgumentParser:
     simulate.add_argument("--json", action="store_true", help="print simulation.json on stdout instead of words")
     simulate.set_defaults(run=_command("simulate"))
 
+    study = commands.add_parser(
+        "montecarlo",
+        help="simulate many drawn starts, parameters and disturbances",
+        description=_MONTECARLO,
+        epilog=_MONTECARLO_CODES,
+    )
+    study.add_argument("target", metavar="MODEL_OR_DESIGN", help="a model file, a design.json, or its folder")
+    study.add_argument("--scenario", metavar="FILE", help="a scenario file (default: the model itself, at rest at q_d)")
+    study.add_argument("--name", "--only", metavar="SCENARIO", help="which scenario of the file, if it holds several")
+    study.add_argument("--runs", metavar="N", type=int, default=1000, help="how many runs (default: 1000)")
+    study.add_argument("--seed", metavar="N", type=int, default=1, help="another seed draws others (default: 1)")
+    study.add_argument("--jobs", metavar="N", type=int, help="how many processes (default: one for each core)")
+    study.add_argument("--out", metavar="DIR", help="where to write (default: reports/<model>/montecarlo)")
+    study.add_argument("--fresh", action="store_true", help="throw away the runs that DIR holds, and begin anew")
+    study.add_argument("--run", dest="once_more", metavar="K", help="run number K alone once more, and write run-K.csv")
+    study.add_argument(
+        "--at-least",
+        metavar="F",
+        type=float,
+        help="exit code 1 unless the lower end of the interval for the converged fraction is at least F, as in 0.99",
+    )
+    study.add_argument(
+        "--prove", action="store_true", help="prove a region of attraction first, where no certificate holds one"
+    )
+    study.add_argument("--json", action="store_true", help="print montecarlo.json on stdout instead of words")
+    study.set_defaults(run=_command("montecarlo"))
+
     check = commands.add_parser(
         "check", help="check models: constraints, inertia, derivatives, energy", description=_CHECK
     )
@@ -86,6 +114,17 @@ def build_parser() -> argparse.ArgumentParser:
 _DESIGN = (
     "Find W, C and G_f for a model, prove what is claimed of them, and write design.json, certificate.json, "
     "report.html and report.pdf."
+)
+_MONTECARLO = (
+    "Draw starts, parameters and disturbances from the file's intervals and bounds (or a scenario file's `draw`), "
+    "simulate each, and tell what part converges, with its exact 95 % interval. A run has converged if it comes to "
+    "rest at the equilibrium of its own world; one that still moves at the end has not, and is counted apart. Where a "
+    "region of attraction is proven (in a design's certificate, or by --prove), further runs start inside it: all of "
+    "them must converge. Stopped and started again, it goes on where it was."
+)
+_MONTECARLO_CODES = (
+    "exit codes: 0 done, whatever the fraction; 1 a start inside the proven region did not converge, or --at-least is "
+    "not reached; 2 the question was wrong"
 )
 _SIMULATE = (
     "Simulate the nonlinear closed loop, and write simulation.json, simulation.html and a CSV file for each scenario; "

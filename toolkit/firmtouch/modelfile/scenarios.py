@@ -8,15 +8,17 @@ from pathlib import Path
 from firmtouch.modelfile.declarations import declarations
 from firmtouch.modelfile.diagnostics import validated
 from firmtouch.modelfile.read import ModelFile, read_bytes
+from firmtouch.modelfile.sections.draw import DrawSpec
 from firmtouch.modelfile.sections.scenario import ScenarioFileSpec, ScenarioSpec
 from firmtouch.modelfile.yamltext import Document, read_yaml
 
 
 @dataclass(frozen=True, slots=True)
 class ScenarioFile:
-    """The scenarios of a file, by name; `document` knows where each entry stands."""
+    """The scenarios of a file, by name, and what is drawn around them; `document` knows where each entry stands."""
 
     scenarios: dict[str, ScenarioSpec]
+    draw: DrawSpec | None
     document: Document = field(compare=False, repr=False)
 
 
@@ -37,4 +39,4 @@ def parse_scenarios(content: bytes, model: ModelFile, *, file: str) -> ScenarioF
     """Check the bytes of a scenario file; `file` is its name in messages."""
     document = read_yaml(content, file, "scenario")
     found = validated(document, ScenarioFileSpec, declarations(model.document.data))
-    return ScenarioFile(dict(found.scenarios), document)
+    return ScenarioFile(dict(found.scenarios), found.draw, document)

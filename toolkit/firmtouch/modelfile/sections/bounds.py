@@ -24,11 +24,13 @@ from firmtouch.modelfile.sections.section import Section
 _SEMI_AXES: Final[dict[str, Any]] = {"anyOf": [*QUANTITY_SCHEMA["anyOf"], PER_NAME]}
 
 
-def _disturbance(raw: object, info: ValidationInfo) -> dict[str, float]:
+def read_disturbance(raw: object, info: ValidationInfo) -> dict[str, float]:
+    """Read semi-axes of an ellipsoid of generalised forces."""
     return _semi_axes(raw, declared(info).joint_forces, "coordinate")
 
 
-def _offset(raw: object, info: ValidationInfo) -> dict[str, float]:
+def read_offset(raw: object, info: ValidationInfo) -> dict[str, float]:
+    """Read semi-axes of an ellipsoid of surface offsets."""
     return _semi_axes(raw, declared(info).constraints, "constraint")
 
 
@@ -47,10 +49,10 @@ def _semi_axes(raw: object, kinds: Mapping[str, Kind], what: str) -> dict[str, f
 class Bounds(Section):
     """Radii of balls, or, with one value for each name, semi-axes of ellipsoids."""
 
-    disturbance: Annotated[dict[str, float], Checked(_disturbance, _SEMI_AXES)] | None = Field(
+    disturbance: Annotated[dict[str, float], Checked(read_disturbance, _SEMI_AXES)] | None = Field(
         None, description="of the constant generalised force d: one quantity, or one for each coordinate"
     )
-    offset: Annotated[dict[str, float], Checked(_offset, _SEMI_AXES)] | None = Field(
+    offset: Annotated[dict[str, float], Checked(read_offset, _SEMI_AXES)] | None = Field(
         None, description="of the surface offset Delta: one quantity, or one for each constraint"
     )
     rotation: Annotated[float, quantity_in("rad", least=0, most=1)] | None = Field(

@@ -22,6 +22,7 @@ from firmtouch.modelfile.fields import (
     refuse,
 )
 from firmtouch.modelfile.sections.amounts import MULTIPLIERS, POSITIONS, VELOCITIES
+from firmtouch.modelfile.sections.draw import DrawSpec
 from firmtouch.modelfile.sections.force_path import ForcePathSpec
 from firmtouch.modelfile.sections.operating_point import PER_NAME, Configuration
 from firmtouch.modelfile.sections.section import Section
@@ -224,3 +225,4 @@ class ScenarioFileSpec(Section):
         "firmtouch.scenario/1", alias="schema", description="the file's format"
     )
     scenarios: dict[Label, ScenarioSpec] = Field(min_length=1, max_length=MOST_SCENARIOS)
+    draw: DrawSpec | None = Field(None, description="what `firmtouch montecarlo` draws in each run")

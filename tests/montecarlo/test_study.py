@@ -14,9 +14,10 @@ from firmtouch.errors import InputError
 from firmtouch.montecarlo import Label, Record, Sets, build_study, clopper_pearson, run_all, run_labelled, summarise
 from firmtouch.montecarlo.draw import generator
 from firmtouch.montecarlo.journal import NAME, Journal, OtherQuestionError, read_runs
-from firmtouch.montecarlo.proven import potential, regions_of_finding, start_inside
+from firmtouch.montecarlo.proven import regions_of_finding, start_inside
 from firmtouch.montecarlo.question import question_of
 from firmtouch.montecarlo.record import OFF, read_label, record_as_json, record_from_json
+from firmtouch.regulation.lyapunov import potential
 from firmtouch.simulation.continuous import Integrator
 from firmtouch.simulation.run import simulate
 from firmtouch.simulation.trajectory import Outcome

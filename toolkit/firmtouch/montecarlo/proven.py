@@ -13,6 +13,8 @@ import numpy as np
 from firmtouch.mechanics import Array
 from firmtouch.mechanics.arrays import frozen
 from firmtouch.regulation import ClosedLoop
+from firmtouch.regulation.graph import surface_above
+from firmtouch.regulation.lyapunov import potential
 from firmtouch.regulation.operating_point import OffSurfaceError, project
 from firmtouch.simulation.scenario import Start
 
@@ -29,8 +31,6 @@ STEP: Final = 0.02
 Around a ridge as high as the level, p is above INSIDE level over 2 sqrt(1 - INSIDE) = 0.06 of these units."""
 FARTHEST: Final = 4.0
 """In the same units."""
-NEWTON_STEPS: Final = 12
-ON_SURFACE: Final = 1e-11
 MOST_TRIALS: Final = 1000
 SHRINK: Final = 0.98
 """After each failure a box is drawn from that is smaller by this: V may be below the level near q_d alone."""
@@ -97,12 +97,6 @@ def regions_of_file(part: SurroundingsPart | None, loop: ClosedLoop) -> tuple[Re
     return tuple(found)
 
 
-def potential(loop: ClosedLoop, q: Array) -> float:
-    """Give P_cd on the surface, counted from q_d, in J, with the controller's own numbers."""
-    op, dq = loop.operating_point, q - loop.operating_point.q_d
-    return float(op.plant.P(q) - op.plant.P(op.q_d) - loop.gains.bias @ dq + dq @ loop.gains.W @ dq / 2)
-
-
 def start_inside(loop: ClosedLoop, region: Region, rng: np.random.Generator) -> tuple[Start, float]:
     """Draw a start and give its V: q on the surface, q' along it (zero in half of the draws), V < level.
 
@@ -121,18 +115,19 @@ def start_inside(loop: ClosedLoop, region: Region, rng: np.random.Generator) -> 
 
 def _along_a_ray(loop: ClosedLoop, region: Region, rng: np.random.Generator) -> Array | None:
     """Walk from q_d along a ray of the chart while V < level, and stop somewhere: that piece is the proven one."""
-    chart = region.chart
+    chart, plant = region.chart, loop.operating_point.plant
+    frame = (chart.q_d, chart.V1, chart.V2)
     stiffness = np.diag(chart.V2.T @ loop.K @ chart.V2)
     direction = rng.normal(size=chart.free)
     ray = direction / np.linalg.norm(direction) * np.sqrt(2 * region.level / np.maximum(stiffness, 1e-12))
     walked: list[Array] = [np.zeros(chart.V1.shape[1])]
     for k in range(1, int(FARTHEST / STEP)):
-        there = _newton(loop, chart, walked[-1], k * STEP * ray)
+        there = surface_above(plant, *frame, x1=walked[-1], x2=k * STEP * ray)
         if there is None or not region.holds(there[1]) or potential(loop, there[1]) >= INSIDE * region.level:
             break
         walked.append(there[0])
     part = rng.uniform() ** (1 / chart.free) * (len(walked) - 1)
-    there = _newton(loop, chart, walked[int(part)], part * STEP * ray)
+    there = surface_above(plant, *frame, x1=walked[int(part)], x2=part * STEP * ray)
     return None if there is None else there[1]
 
 
@@ -144,21 +139,6 @@ def _in_the_box(loop: ClosedLoop, region: Region, rng: np.random.Generator, size
         return project(loop.operating_point.plant, chart.q_d + beside).q
     except OffSurfaceError:
         return None
-
-
-def _newton(loop: ClosedLoop, chart: Chart, x1: Array, x2: Array) -> tuple[Array, Array] | None:
-    """Solve Phi = 0 with x2 fixed, from a point nearby; gives x1 and q."""
-    plant = loop.operating_point.plant
-    for _ in range(NEWTON_STEPS):
-        q = chart.q_d + chart.V1 @ x1 + chart.V2 @ x2
-        Phi = plant.Phi(q)
-        if np.max(np.abs(Phi)) < ON_SURFACE:
-            return x1, q
-        slope = plant.J(q) @ chart.V1
-        if not np.all(np.isfinite(slope)) or np.linalg.cond(slope) > 1e9:
-            return None
-        x1 = x1 - np.linalg.solve(slope, Phi)
-    return None
 
 
 def _velocity(loop: ClosedLoop, q: Array, energy: float, rng: np.random.Generator) -> tuple[Array, float]:

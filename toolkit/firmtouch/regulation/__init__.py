@@ -4,6 +4,7 @@ from firmtouch.regulation.closed_loop import ClosedLoop, Poles, Positivity, clos
 from firmtouch.regulation.controllers import Controller, closed_loop_acceleration, control_law
 from firmtouch.regulation.equilibrium import Equilibrium, NoEquilibriumError, closed_loop_equilibrium
 from firmtouch.regulation.gains import Gains
+from firmtouch.regulation.lyapunov import lyapunov
 from firmtouch.regulation.operating_point import OperatingPoint, find_operating_point, project
 from firmtouch.regulation.split import Split, split_directions
 from firmtouch.regulation.state_space import state_space
@@ -26,6 +27,7 @@ __all__ = [
     "closed_loop_equilibrium",
     "control_law",
     "find_operating_point",
+    "lyapunov",
     "project",
     "split_directions",
     "state_space",

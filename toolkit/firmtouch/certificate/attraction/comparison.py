@@ -13,6 +13,8 @@ from firmtouch.certificate.attraction.chart import Chart
 from firmtouch.mechanics import Array, Plant
 from firmtouch.mechanics.arrays import frozen
 from firmtouch.regulation import ClosedLoop
+from firmtouch.regulation.graph import surface_above
+from firmtouch.regulation.lyapunov import potential
 
 WINDOW: Final = 1.8
 """Starts are tried this far out, in sizes of the proven region."""
@@ -26,8 +28,6 @@ EDGE: Final = 0.98
 """The part of the level that is drawn: where it is as good as that of a ridge, the border would be found behind it."""
 FARTHEST: Final = 2.5
 """How far a ray is followed, in rad or m."""
-NEWTON_STEPS: Final = 12
-ON_SURFACE: Final = 1e-9
 HOLD: Final = 20.0
 """Decay rate, 1/s, at which the simulation pulls drift off the surface back to it."""
 STEP: Final = 0.04
@@ -88,47 +88,32 @@ def _lift(plant: Plant, chart: Chart, x2: Array) -> Array | None:
     x1: Array = np.zeros(chart.V1.shape[1])
     q = chart.q_d
     for part in np.linspace(0, 1, 2 + int(20 * np.max(np.abs(x2))))[1:]:
-        there = _newton(plant, chart, x1, part * x2)
+        there = _above(plant, chart, x1, part * x2)
         if there is None:
             return None
         x1, q = there
     return q
 
 
-def _newton(plant: Plant, chart: Chart, x1: Array, x2: Array) -> tuple[Array, Array] | None:
-    """Solve Phi = 0 with x2 fixed; gives x1 and q."""
-    for _ in range(NEWTON_STEPS):
-        q = chart.q_d + chart.V1 @ x1 + chart.V2 @ x2
-        Phi = plant.Phi(q)
-        if np.max(np.abs(Phi)) < ON_SURFACE:
-            return x1, q
-        slope = plant.J(q) @ chart.V1
-        if not np.all(np.isfinite(slope)) or np.linalg.cond(slope) > 1 / ON_SURFACE:
-            return None
-        x1 = x1 - np.linalg.solve(slope, Phi)
-    return None
+def _above(plant: Plant, chart: Chart, x1: Array, x2: Array) -> tuple[Array, Array] | None:
+    return surface_above(plant, chart.q_d, chart.V1, chart.V2, x1=x1, x2=x2)
 
 
 def _curve(loop: ClosedLoop, chart: Chart, window: float) -> Array:
     """Give (x2, P_cd above it) along the only free direction, walking outwards; no number behind the surface's end."""
-    plant, ground = loop.operating_point.plant, _energy(loop, chart.q_d)
+    plant = loop.operating_point.plant
     found = {0.0: 0.0}
     for end in (-window, window):
         there: tuple[Array, Array] | None = (np.zeros(chart.V1.shape[1]), chart.q_d)
         for x2 in np.linspace(0, end, CURVE // 2 + 1)[1:]:
-            there = there and _newton(plant, chart, there[0], np.array([x2]))
-            found[float(x2)] = np.nan if there is None else _energy(loop, there[1]) - ground
+            there = there and _above(plant, chart, there[0], np.array([x2]))
+            found[float(x2)] = np.nan if there is None else potential(loop, there[1])
     return np.array(sorted(found.items()))
-
-
-def _energy(loop: ClosedLoop, q: Array) -> float:
-    dq = q - loop.operating_point.q_d
-    return float(loop.operating_point.plant.P(q) - loop.gains.bias @ dq + dq @ loop.gains.W @ dq / 2)
 
 
 def _border(loop: ClosedLoop, chart: Chart, level: float) -> Array:
     """Follow rays from q_d until p reaches the level, in small steps: a ridge just above it is not to be missed."""
-    plant, ground = loop.operating_point.plant, _energy(loop, chart.q_d)
+    plant = loop.operating_point.plant
     stiffness = np.diag(chart.V2.T @ loop.K @ chart.V2)
     angles = np.linspace(0, 2 * np.pi, RAYS, endpoint=False)
     round_about = [[np.cos(a), np.sin(a)] for a in angles]
@@ -138,8 +123,8 @@ def _border(loop: ClosedLoop, chart: Chart, level: float) -> Array:
         x1: Array = np.zeros(chart.V1.shape[1])
         reached, size = 0.0, RAY_STEP
         while size > RAY_STEP / 64 and reached * np.max(np.abs(ray)) < FARTHEST:
-            there = _newton(plant, chart, x1, (reached + size) * ray)
-            if there is None or _energy(loop, there[1]) - ground >= EDGE * level:
+            there = _above(plant, chart, x1, (reached + size) * ray)
+            if there is None or potential(loop, there[1]) >= EDGE * level:
                 size /= 2
             else:
                 reached, x1 = reached + size, there[0]

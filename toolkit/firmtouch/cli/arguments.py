@@ -107,6 +107,7 @@ def build_parser() -> argparse.ArgumentParser:
     new.set_defaults(run=_command("new"))
 
     schema = commands.add_parser("schema", help="print the JSON Schema of model files", description=_SCHEMA)
+    schema.add_argument("--scenario", action="store_true", help="that of scenario files instead")
     schema.set_defaults(run=_command("schema"))
     return parser
 
@@ -137,7 +138,7 @@ _VERIFY = (
     "differs, 2 if the file is no certificate. The design.json beside the certificate is compared if there is one."
 )
 _NEW = "Write NAME.yaml, a commented model file that works as it is."
-_SCHEMA = "Print the JSON Schema of model files, for editors that complete and check YAML."
+_SCHEMA = "Print the JSON Schema of model files (or scenario files), for editors that complete and check YAML."
 
 
 def _tolerance(text: str) -> float:

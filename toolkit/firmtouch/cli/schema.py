@@ -7,10 +7,11 @@ import json
 import sys
 
 
-def run(arguments: argparse.Namespace) -> int:  # noqa: ARG001  # all commands have one signature
-    """Print the JSON Schema of model files."""
-    from firmtouch.modelfile.json_schema import model_schema
+def run(arguments: argparse.Namespace) -> int:
+    """Print the JSON Schema of model files, or of scenario files."""
+    from firmtouch.modelfile.json_schema import model_schema, scenario_schema
 
-    json.dump(model_schema(), sys.stdout, indent=2)
+    schema = scenario_schema() if arguments.scenario else model_schema()
+    json.dump(schema, sys.stdout, indent=2)
     sys.stdout.write("\n")
     return 0

@@ -1,16 +1,28 @@
-"""The JSON Schema of model files, for editors."""
+"""The JSON Schemas of model files and of scenario files, for editors."""
 
 from __future__ import annotations
 
 from typing import Any
 
+from pydantic import BaseModel
+
+from firmtouch.modelfile.sections.scenario import ScenarioFileSpec
 from firmtouch.modelfile.specification import ModelSpec
 
 
 def model_schema() -> dict[str, Any]:
     """Give the JSON Schema (draft 2020-12) of a model file."""
-    schema = _closed(ModelSpec.model_json_schema(by_alias=True))
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "title": "firmtouch model file"}
+    return _schema(ModelSpec, "firmtouch model file")
+
+
+def scenario_schema() -> dict[str, Any]:
+    """Give that of a scenario file, for whatever model."""
+    return _schema(ScenarioFileSpec, "firmtouch scenario file")
+
+
+def _schema(root: type[BaseModel], title: str) -> dict[str, Any]:
+    schema = _closed(root.model_json_schema(by_alias=True))
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "title": title}
 
 
 def _closed(part: Any) -> Any:  # noqa: ANN401  # any JSON

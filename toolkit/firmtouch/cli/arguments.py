@@ -19,6 +19,9 @@ EXAMPLES = """examples:
 
 exit codes: 0 good, 1 the answer is no, 2 the question was wrong"""
 
+TYPE_CHECKING = False  # as in the package: `typing` itself would cost a good part of the start
+if TYPE_CHECKING:
+    Commands = argparse._SubParsersAction[argparse.ArgumentParser]  # noqa: SLF001  # argparse has no public name for it
 LEAST_TOLERANCE, MOST_TOLERANCE = 1e-14, 1e-2
 
 
@@ -29,7 +32,18 @@ def build_parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action=_Version, help="show the version and exit")
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
+    for add in (_add_design, _add_simulate, _add_montecarlo, _add_check, _add_verify, _add_new, _add_schema):
+        add(commands)
+    return parser
 
+
+_DESIGN = (
+    "Find W, C and G_f for a model, prove what is claimed of them, and write design.json, certificate.json, "
+    "report.html and report.pdf."
+)
+
+
+def _add_design(commands: Commands) -> None:
     design = commands.add_parser("design", help="find gains for a model, and write a report", description=_DESIGN)
     design.add_argument("model", metavar="MODEL", help="a model file (YAML)")
     design.add_argument(
@@ -49,6 +63,15 @@ def build_parser() -> argparse.ArgumentParser:
     design.add_argument("--no-simulation", action="store_true", help="simulate nothing")
     design.set_defaults(run=_command("design"))
 
+
+_SIMULATE = (
+    "Simulate the nonlinear closed loop, and write simulation.json, simulation.html and a CSV file for each scenario; "
+    "exit code 1 if it diverges, loses contact, comes to rest elsewhere, or cannot be followed. "
+    "For a model, its gains are found first."
+)
+
+
+def _add_simulate(commands: Commands) -> None:
     simulate = commands.add_parser(
         "simulate", help="simulate the nonlinear closed loop in given or usual scenarios", description=_SIMULATE
     )
@@ -62,6 +85,21 @@ def build_parser() -> argparse.ArgumentParser:
     simulate.add_argument("--json", action="store_true", help="print simulation.json on stdout instead of words")
     simulate.set_defaults(run=_command("simulate"))
 
+
+_MONTECARLO = (
+    "Draw starts, parameters and disturbances from the file's intervals and bounds (or a scenario file's `draw`), "
+    "simulate each, and tell what part converges, with its exact 95 % interval. A run has converged if it comes to "
+    "rest at the equilibrium of its own world; one that still moves at the end has not, and is counted apart. Where a "
+    "region of attraction is proven (in a design's certificate, or by --prove), further runs start inside it: all of "
+    "them must converge. Stopped and started again, it goes on where it was."
+)
+_MONTECARLO_CODES = (
+    "exit codes: 0 done, whatever the fraction; 1 a start inside the proven region did not converge, or --at-least is "
+    "not reached; 2 the question was wrong"
+)
+
+
+def _add_montecarlo(commands: Commands) -> None:
     study = commands.add_parser(
         "montecarlo",
         help="simulate many drawn starts, parameters and disturbances",
@@ -89,6 +127,11 @@ def build_parser() -> argparse.ArgumentParser:
     study.add_argument("--json", action="store_true", help="print montecarlo.json on stdout instead of words")
     study.set_defaults(run=_command("montecarlo"))
 
+
+_CHECK = "Check models, one table each; exit code 1 if a check fails, 2 if a file cannot be read."
+
+
+def _add_check(commands: Commands) -> None:
     check = commands.add_parser(
         "check", help="check models: constraints, inertia, derivatives, energy", description=_CHECK
     )
@@ -96,49 +139,37 @@ def build_parser() -> argparse.ArgumentParser:
     check.add_argument("--json", action="store_true", help="print JSON on stdout instead of tables")
     check.set_defaults(run=_command("check"))
 
+
+_VERIFY = (
+    "Derive the mechanics from the model file and prove every claim of a certificate again; exit code 1 if anything "
+    "differs, 2 if the file is no certificate. The design.json beside the certificate is compared if there is one."
+)
+
+
+def _add_verify(commands: Commands) -> None:
     verify = commands.add_parser("verify", help="prove a certificate again, from the model file", description=_VERIFY)
     verify.add_argument("certificate", metavar="CERTIFICATE", help="a certificate.json")
     verify.add_argument("--model", metavar="MODEL", required=True, help="the model file (YAML) it was made for")
     verify.add_argument("--json", action="store_true", help="print JSON on stdout instead of words")
     verify.set_defaults(run=_command("verify"))
 
+
+_NEW = "Write NAME.yaml, a commented model file that works as it is."
+
+
+def _add_new(commands: Commands) -> None:
     new = commands.add_parser("new", help="write a commented model file to start from", description=_NEW)
     new.add_argument("name", metavar="NAME", help="the model's name; NAME.yaml is written, and never overwritten")
     new.set_defaults(run=_command("new"))
 
+
+_SCHEMA = "Print the JSON Schema of model files (or scenario files), for editors that complete and check YAML."
+
+
+def _add_schema(commands: Commands) -> None:
     schema = commands.add_parser("schema", help="print the JSON Schema of model files", description=_SCHEMA)
     schema.add_argument("--scenario", action="store_true", help="that of scenario files instead")
     schema.set_defaults(run=_command("schema"))
-    return parser
-
-
-_DESIGN = (
-    "Find W, C and G_f for a model, prove what is claimed of them, and write design.json, certificate.json, "
-    "report.html and report.pdf."
-)
-_MONTECARLO = (
-    "Draw starts, parameters and disturbances from the file's intervals and bounds (or a scenario file's `draw`), "
-    "simulate each, and tell what part converges, with its exact 95 % interval. A run has converged if it comes to "
-    "rest at the equilibrium of its own world; one that still moves at the end has not, and is counted apart. Where a "
-    "region of attraction is proven (in a design's certificate, or by --prove), further runs start inside it: all of "
-    "them must converge. Stopped and started again, it goes on where it was."
-)
-_MONTECARLO_CODES = (
-    "exit codes: 0 done, whatever the fraction; 1 a start inside the proven region did not converge, or --at-least is "
-    "not reached; 2 the question was wrong"
-)
-_SIMULATE = (
-    "Simulate the nonlinear closed loop, and write simulation.json, simulation.html and a CSV file for each scenario; "
-    "exit code 1 if it diverges, loses contact, comes to rest elsewhere, or cannot be followed. "
-    "For a model, its gains are found first."
-)
-_CHECK = "Check models, one table each; exit code 1 if a check fails, 2 if a file cannot be read."
-_VERIFY = (
-    "Derive the mechanics from the model file and prove every claim of a certificate again; exit code 1 if anything "
-    "differs, 2 if the file is no certificate. The design.json beside the certificate is compared if there is one."
-)
-_NEW = "Write NAME.yaml, a commented model file that works as it is."
-_SCHEMA = "Print the JSON Schema of model files (or scenario files), for editors that complete and check YAML."
 
 
 def _tolerance(text: str) -> float:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from firmtouch.simulation import dae
+from firmtouch.simulation import dae, motion
 from firmtouch.simulation.world import Disturbance
 
 KEPT = 1e-8  # m (or rad): what is asked for over a minute
@@ -34,7 +34,7 @@ def test_without_the_stabilisation_the_constraints_drift_away(shipped, run, monk
     loop = shipped(name)
     words = {"way": 0.05, "push": shaken(loop.operating_point), "duration": 60.0}
     held = np.abs(run(loop, **words).Phi).max()
-    monkeypatch.setattr(dae, "HOLD", 0.0)
+    monkeypatch.setattr(motion, "HOLD", 0.0)
     free = np.abs(run(loop, **words).Phi)
     quarter = len(free) // 4
     assert free.max() > 30 * held
@@ -53,7 +53,7 @@ def test_an_error_on_the_constraint_dies_out_at_the_rate_that_was_chosen(shipped
     parameters = dae.parameters_of(equations, nominal_world(op), t=0.0)
     q, v = op.q_d + 0.02 * loop.split.V1[:, 0] + 0.1 * loop.split.V2[:, 1], 0.1 * loop.split.V1[:, 0]
     x = build_integrator(equations, 1e-11, t)(np.concatenate([q, v]), 0.0, 1.0, parameters)
-    Phi, rate, a = op.plant.Phi(q)[0], (op.plant.J(q) @ v)[0], dae.HOLD
+    Phi, rate, a = op.plant.Phi(q)[0], (op.plant.J(q) @ v)[0], motion.HOLD
     expected = (Phi + (rate + a * Phi) * t) * np.exp(-a * t)
     found = np.array([op.plant.Phi(each)[0] for each in x[: op.n].T])
     assert abs(Phi) > 1e-3

@@ -9,7 +9,8 @@ import firmtouch
 from firmtouch.regulation import Gains, close_loop, closed_loop_acceleration, control_law, project
 from firmtouch.regulation.controllers import Controller
 from firmtouch.regulation.force_loop import ForcePath
-from firmtouch.simulation.dae import HOLD, NODES, Input, derive_dae, nodes, parameters_of
+from firmtouch.simulation.dae import NODES, Input, derive_dae, nodes, parameters_of
+from firmtouch.simulation.motion import HOLD
 from firmtouch.simulation.scenario import Feedback
 from firmtouch.simulation.start import true_surface
 from firmtouch.simulation.world import Disturbance, nominal_world, tilted

@@ -5,7 +5,8 @@ import pytest
 
 from firmtouch.regulation import control_law
 from firmtouch.regulation.controllers import Controller
-from firmtouch.simulation.dae import HOLD, derive_dae, parameters_of
+from firmtouch.simulation.dae import derive_dae, parameters_of
+from firmtouch.simulation.motion import HOLD
 from firmtouch.simulation.scenario import Feedback
 from firmtouch.simulation.trajectory import Outcome
 from firmtouch.simulation.world import nominal_world

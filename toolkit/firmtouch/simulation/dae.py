@@ -1,8 +1,7 @@
 """The closed loop as equations that an integrator takes: Eqs. (1), (4) and a controller, of index one.
 
-Phi = 0 is differentiated twice and held by Baumgarte's stabilisation, Phi'' + 2 a Phi' + a^2 Phi = 0, which is zero
-on the constraints: it changes no motion there and pulls rounding and integration errors back at the rate a. q'' and
-lambda are then the solution of linear equations, the algebraic loop of the force feedback included, written out once.
+Phi = 0 is differentiated twice (`Motion`); q'' and lambda are then the solution of linear equations, the algebraic loop
+of the force feedback included, written out once.
 """
 
 from __future__ import annotations
@@ -18,12 +17,11 @@ from firmtouch.mechanics import Array
 from firmtouch.mechanics.arrays import frozen
 from firmtouch.regulation import ClosedLoop
 from firmtouch.regulation.controllers import control_law
-from firmtouch.simulation.saturation import saturated_multipliers
+from firmtouch.simulation.layout import Layout
+from firmtouch.simulation.motion import Motion
 from firmtouch.simulation.scenario import Feedback
 from firmtouch.simulation.world import World
 
-HOLD: Final = 20.0
-"""The rate a of the stabilisation, 1/s."""
 UNLIMITED: Final = 1e30
 NODES: Final = 8
 """Points at which lambda is remembered over a step, so that it can be given back later: a polynomial of degree 7."""
@@ -65,41 +63,6 @@ class Dae:
         return 2 * op.n + (op.m if self.filtered else 0)
 
 
-@dataclass(frozen=True, slots=True)
-class Layout:
-    """Names and sizes of the parameters, in order."""
-
-    sizes: tuple[tuple[str, int], ...]
-
-    def symbols(self) -> tuple[ca.SX, dict[str, ca.SX]]:
-        """Make one column of symbols, and its parts by name."""
-        parts = {name: ca.SX.sym(name, size) for name, size in self.sizes}
-        return ca.vertcat(*parts.values()), parts
-
-    def pack(self, values: dict[str, Array | float]) -> Array:
-        """Put values in their places; matrices go column by column, as CasADi reads them."""
-        columns = [np.atleast_1d(np.asarray(values[name], dtype=float)).ravel(order="F") for name, _ in self.sizes]
-        assert all(each.size == size for each, (_, size) in zip(columns, self.sizes, strict=True))
-        return frozen(np.concatenate(columns))
-
-    @property
-    def size(self) -> int:
-        """The number of parameters."""
-        return sum(size for _, size in self.sizes)
-
-    def part(self, column: ca.MX, name: str) -> ca.MX:
-        """Take one part out of a column of parameters."""
-        return self._parts(column)[name]
-
-    def with_part(self, column: ca.MX, name: str, value: ca.MX) -> ca.MX:
-        """Put another value in one place of a column of parameters."""
-        return ca.vertcat(*(self._parts(column) | {name: value}).values())
-
-    def _parts(self, column: ca.MX) -> dict[str, ca.MX]:
-        ends = [int(each) for each in np.cumsum([0, *(size for _, size in self.sizes)])]
-        return dict(zip((name for name, _ in self.sizes), ca.vertsplit(column, ends), strict=True))
-
-
 def input_of(feedback: Feedback) -> Input:
     """Tell on what the controller's output depends."""
     path = feedback.path
@@ -118,7 +81,7 @@ def derive_dae(loop: ClosedLoop, feedback: Feedback, *, sinusoids: int = 0) -> D
     column, given = layout.symbols()
     t, q, qdot, y = ca.SX.sym("t"), ca.SX.sym("q", n), ca.SX.sym("qdot", n), ca.SX.sym("y", m if filtered else 0)
     law = control_law(op, loop.gains, feedback.controller, P_d=feedback.P_d)
-    motion = _Motion(loop, feedback, given, q=q, qdot=qdot, d=_force(given, t, sinusoids))
+    motion = Motion(loop, feedback, given, q=q, qdot=qdot, d=_force(given, t, sinusoids))
     past = _remembered(given, t, m) if source is Input.REMEMBERED else y
     if source is Input.HELD:
         u = given["held"]
@@ -206,66 +169,13 @@ def _remembered(given: dict[str, ca.SX], t: ca.SX, m: int) -> ca.SX:
     return total
 
 
-class _Motion:
-    """Eq. (4) with the true constraints and their stabilisation, as expressions in q, q', u and lambda."""
-
-    def __init__(
-        self, loop: ClosedLoop, feedback: Feedback, given: dict[str, ca.SX], *, q: ca.SX, qdot: ca.SX, d: ca.SX
-    ) -> None:
-        op = loop.operating_point
-        n, m, functions, p = op.n, op.m, op.plant.functions, given["p"]
-        R, E = ca.reshape(given["R"], m, m), ca.reshape(given["E"], m, n)
-        self._given, self._limited = given, feedback.limits is not None
-        self._q, self._qdot = q, qdot
-        self.J = R @ functions["J"](q, p) + E
-        self.Phi = R @ functions["Phi"](q, p) + E @ (q - ca.DM(op.q_d)) - given["Delta"]
-        self.drift = R @ functions["Jdot_qdot"](q, qdot, p) + 2 * HOLD * (self.J @ qdot) + HOLD**2 * self.Phi
-        self._factors = ca.ldl(functions["M"](q, p))
-        self.forces = d - functions["theta"](q, qdot, p)
-        self._pull = self._solve(self.J.T)  # M^-1 J^T
-        self._reach = self.J @ self._pull  # J M^-1 J^T
-
-    def _solve(self, right: ca.SX) -> ca.SX:
-        """Multiply by M^-1."""
-        return ca.ldl_solve(right, *self._factors)
-
-    def acceleration(self, u: ca.SX, lambda_: ca.SX) -> ca.SX:
-        """Give q'' of Eq. (4)."""
-        return self._solve(u + self.forces + self.J.T @ lambda_)
-
-    def multipliers(self, u: ca.SX) -> ca.SX:
-        """Give the lambda that keeps the constraints under a known u."""
-        return ca.solve(self._reach, -self.drift - self._pull.T @ (u + self.forces))
-
-    def limited(self, u: ca.SX) -> ca.SX:
-        """Give what the drives do where they cannot do more."""
-        limits = self._given["limits"]
-        return ca.fmin(ca.fmax(u, -limits), limits) if self._limited else u
-
-    def close(self, law: ca.Function) -> tuple[ca.SX, ca.SX]:
-        """Solve the algebraic loop u = law(lambda), lambda = multipliers(u); gives both.
-
-        The law is affine in lambda; with limits the loop is piecewise affine.
-        """
-        m = self._reach.shape[0]
-        u_0 = law(self._q, self._qdot, ca.SX.zeros(m)) + self._given["bias_error"]
-        probe = ca.SX.sym("probe", m)
-        B = ca.substitute(ca.jacobian(law(self._q, self._qdot, probe), probe), probe, ca.SX.zeros(m))
-        steady = -self.drift - self._pull.T @ self.forces
-        lambda_ = ca.solve(self._reach + self._pull.T @ B, steady - self._pull.T @ u_0)
-        if self._limited:
-            limits = self._given["limits"]
-            lambda_ = saturated_multipliers(self._reach, self._pull, steady, u_0=u_0, B=B, limits=limits, first=lambda_)
-        return self.limited(u_0 + B @ lambda_), lambda_
-
-
 def _static(
     loop: ClosedLoop, feedback: Feedback, law: ca.Function, column: ca.SX, given: dict[str, ca.SX]
 ) -> ca.Function:
     """Give (u + d - theta + J^T lambda, Phi) at rest and its Jacobian in (q, lambda): zero at an equilibrium."""
     n, m = loop.operating_point.n, loop.operating_point.m
     q, lambda_, still = ca.SX.sym("q", n), ca.SX.sym("lambda", m), ca.SX.zeros(n)
-    motion = _Motion(loop, feedback, given, q=q, qdot=still, d=given["d"])
+    motion = Motion(loop, feedback, given, q=q, qdot=still, d=given["d"])
     u = motion.limited(law(q, still, lambda_) + given["bias_error"])
     balance = ca.vertcat(u + motion.forces + motion.J.T @ lambda_, motion.Phi)
     unknown = ca.vertcat(q, lambda_)

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from firmtouch.errors import Diagnostic, ModelFileError
-from firmtouch.modelfile.urdf.robot import Place, Triple
+from firmtouch.modelfile.urdf.robot import Triple
 from firmtouch.modelfile.urdf.xmltext import Element, XmlDocument
 from firmtouch.modelfile.words import did_you_mean, shown
 
@@ -22,10 +22,6 @@ class Attributes:
     def __init__(self, document: XmlDocument) -> None:
         self._document = document
         self._mistakes: list[Diagnostic] = []
-
-    def place(self, element: Element) -> Place:
-        """Give the line and column of an element."""
-        return self._document.place(element)
 
     def refuse(self, element: Element, message: str, attribute: str | None = None) -> None:
         """Keep a mistake; too many of them end the reading."""

@@ -62,7 +62,7 @@ def _is_joint(element: Element) -> bool:
 def _link(element: Element, read: Attributes) -> Link:
     name = read.word(element, "name", "a link")
     read.known_children(element, OF_LINKS, f"link {shown(name)}")
-    return Link(name, read_inertial(element, name, read), read.place(element))
+    return Link(name, read_inertial(element, name, read), element.place)
 
 
 def _joint(element: Element, read: Attributes) -> UrdfJoint:
@@ -83,7 +83,7 @@ def _joint(element: Element, read: Attributes) -> UrdfJoint:
         mimic=_mimic(element, kind, what, read),
         damping=damping,
         friction=friction,
-        place=read.place(element),
+        place=element.place,
     )
 
 

@@ -20,17 +20,18 @@ LARGEST: Final = 2_000_000
 DEEPEST: Final = 32
 MOST_ELEMENTS: Final = 50_000
 UTF_8: Final = ("utf-8", "utf8", "us-ascii", "ascii")
-_ATTRIBUTE: Final = re.compile(rb"""\s+([^\s=]+)\s*=\s*(?:"[^"]*"|'[^']*')""")
+_ATTRIBUTE: Final = re.compile(rb"""\s+([^\s=]+)\s*=\s*("[^"]*"|'[^']*')""")
 _TAG: Final = re.compile(rb"<[^\s/>]+")
 
 
 @dataclass(frozen=True, slots=True)
 class Element:
-    """An element; `offset` is the byte where its tag begins."""
+    """An element; its tag begins at the byte `offset`, which is at `place`."""
 
     tag: str
     attributes: dict[str, str]
     offset: int
+    place: Place
     children: list[Element] = field(default_factory=list)
 
     def all(self, tag: str) -> list[Element]:
@@ -52,11 +53,9 @@ class XmlDocument:
         end = tag.end() if tag and attribute is not None else None
         while end is not None and (found := _ATTRIBUTE.match(self.content, end)):
             if found[1].decode() == attribute:
-                value = self.content.index(b"=", found.end(1)) + 1
-                value += len(self.content[value:]) - len(self.content[value:].lstrip())
-                return _place(self.content, value + 1)
+                return _further(element.place, self.content[element.offset : found.start(2) + 1])
             end = found.end()
-        return _place(self.content, element.offset)
+        return element.place
 
 
 def read_xml(content: bytes, name: str) -> XmlDocument:
@@ -77,16 +76,21 @@ def read_xml(content: bytes, name: str) -> XmlDocument:
         _fail(name, content, error.start, message)
     if not content.strip():
         _fail(name, content, 0, "the file is empty; a URDF file holds one `<robot>`")
+    if b"\0" in content:  # expat would take it for UTF-16
+        _fail(name, content, content.index(b"\0"), "a null byte; only UTF-8 text is read")
     return XmlDocument(name, content, _Builder(name, content).root())
 
 
-def _place(content: bytes, offset: int) -> Place:
-    before = content[:offset].replace(b"\r\n", b"\n").replace(b"\r", b"\n")
-    return before.count(b"\n") + 1, len(before[before.rfind(b"\n") + 1 :].decode("utf-8", "replace")) + 1
+def _further(place: Place, content: bytes) -> Place:
+    """Give the place behind some text that begins at a place."""
+    lines = content.replace(b"\r\n", b"\n").replace(b"\r", b"\n").split(b"\n")
+    line, column = place
+    start = column if len(lines) == 1 else 1
+    return line + len(lines) - 1, start + len(lines[-1].decode("utf-8", "replace"))
 
 
 def _fail(name: str, content: bytes, offset: int, message: str) -> NoReturn:
-    raise ModelFileError((Diagnostic(name, *_place(content, offset), message),))
+    raise ModelFileError((Diagnostic(name, *_further((1, 1), content[:offset]), message),))
 
 
 class _Builder:
@@ -97,6 +101,7 @@ class _Builder:
         self._open: list[Element] = []
         self._roots: list[Element] = []
         self._count = 0
+        self._at, self._place = 0, (1, 1)
         self._parser = expat.ParserCreate("utf-8")
         self._parser.StartElementHandler = self._start
         self._parser.EndElementHandler = self._end
@@ -111,8 +116,8 @@ class _Builder:
             _fail(self._name, self._content, max(self._parser.ErrorByteIndex, 0), f"no valid XML: {reason}")
         return self._roots[0]
 
-    def _refuse(self, message: str) -> NoReturn:
-        _fail(self._name, self._content, self._parser.CurrentByteIndex, message)
+    def _refuse(self, message: str, offset: int | None = None) -> NoReturn:
+        _fail(self._name, self._content, self._parser.CurrentByteIndex if offset is None else offset, message)
 
     def _start(self, tag: str, attributes: dict[str, str]) -> None:
         self._count += 1
@@ -120,7 +125,10 @@ class _Builder:
             self._refuse(f"more than {MOST_ELEMENTS} elements, which is more than is read")
         if len(self._open) >= DEEPEST:
             self._refuse(f"elements nested more than {DEEPEST} deep")
-        element = Element(tag, attributes, self._parser.CurrentByteIndex)
+        # Counted on from the last element, so that a large file of one line is not counted again for each.
+        offset = self._parser.CurrentByteIndex
+        self._place, self._at = _further(self._place, self._content[self._at : offset]), offset
+        element = Element(tag, attributes, offset, self._place)
         (self._open[-1].children if self._open else self._roots).append(element)
         self._open.append(element)
 
@@ -132,4 +140,7 @@ class _Builder:
             self._refuse(f"the encoding {shown(encoding)}; only UTF-8 is read")
 
     def _doctype(self, *_: object) -> None:
-        self._refuse("a document type (`<!DOCTYPE`), which could define entities; URDF has none: take it out")
+        # expat tells of it where its name or its first entity ends.
+        start = self._content.rfind(b"<!DOCTYPE", 0, self._parser.CurrentByteIndex + 9)
+        message = "a document type (`<!DOCTYPE`), which could define entities; URDF has none: take it out"
+        self._refuse(message, max(start, 0))

@@ -124,6 +124,7 @@ MISTAKES = {
     "no number": ([("0 0 2", "0 0 two")], "6:82: `two` is no number"),
     "infinite": ([("0 0 2", "0 0 inf")], "`inf` is no number"),
     "underscore": ([("0 0 2", "0 0 1_0")], "`1_0` is no number"),
+    "huge mass": ([('mass value="2"', 'mass value="1e10"')], "4:62: `1e10` is too large"),
     "too large": ([("0 0 2", "0 0 1e999")], "6:82: `0 0 1e999` is too large"),
     "xacro number": ([("0 0 2", "0 0 ${x}")], "is a macro's expression; expand the file first"),
     "xacro tag": ([('<link name="base"/>', '<link name="base"/><xacro:arm xmlns:xacro="x"/>')], "3:20: `xacro:arm` is a macro"),

@@ -13,6 +13,8 @@ from firmtouch.modelfile.urdf.xmltext import Element, XmlDocument
 from firmtouch.modelfile.words import did_you_mean, shown
 
 MOST_MISTAKES: Final = 100
+LARGEST_SIZE: Final = 1e9
+"""Lengths, angles, masses and inertias beyond this (in SI) are no robot's, and their products might overflow."""
 _NUMBER: Final = re.compile(r"[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?")
 
 
@@ -42,22 +44,22 @@ class Attributes:
             self.refuse(element, f"{what} has no `{name}`", name)
         return word
 
-    def number(self, element: Element, name: str, default: float | None = None) -> float:
-        """Read a finite number."""
+    def number(self, element: Element, name: str, default: float | None = None, *, largest: float = math.inf) -> float:
+        """Read a finite number, of at most this size."""
         text = element.attributes.get(name)
         if text is None and default is not None:
             return default
         if text is None:
             self.refuse(element, f"`<{element.tag}>` has no `{name}`")
             return math.nan
-        return self._numbers(element, name, text, 1)[0]
+        return self._numbers(element, name, text, 1, largest)[0]
 
     def triple(self, element: Element, name: str, default: Triple) -> Triple:
-        """Read three finite numbers."""
+        """Read three finite numbers that are sizes."""
         text = element.attributes.get(name)
         if text is None:
             return default
-        x, y, z = self._numbers(element, name, text, 3)
+        x, y, z = self._numbers(element, name, text, 3, LARGEST_SIZE)
         return x, y, z
 
     def known(self, element: Element, names: Sequence[str]) -> None:
@@ -82,7 +84,7 @@ class Attributes:
             elif child.tag not in tags and (near := did_you_mean(child.tag, tags)):
                 self.refuse(child, f"{what} has no {shown(f'<{child.tag}>')}{near}")
 
-    def _numbers(self, element: Element, name: str, text: str, count: int) -> list[float]:
+    def _numbers(self, element: Element, name: str, text: str, count: int, largest: float) -> list[float]:
         words = text.split()
         wrong = next((each for each in words if not _NUMBER.fullmatch(each)), None)
         wanted = "a number" if count == 1 else f"{count} numbers"
@@ -92,8 +94,8 @@ class Attributes:
             message = f"{shown(wrong)} is no number; `{name}` takes {wanted}"
         elif len(words) != count:
             message = f"`{name}` takes {wanted}, not {len(words)}"
-        elif not all(math.isfinite(float(each)) for each in words):
-            message = f"{shown(text)} is too large for a number"
+        elif any(math.isinf(float(each)) or abs(float(each)) > largest for each in words):
+            message = f"{shown(text)} is too large"
         else:
             return [float(each) for each in words]
         self.refuse(element, message, name)

@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from firmtouch.modelfile.urdf.attributes import Attributes
+from firmtouch.modelfile.urdf.attributes import LARGEST_SIZE, Attributes
 from firmtouch.modelfile.urdf.robot import Inertial, Pose
 from firmtouch.modelfile.urdf.xmltext import Element
 from firmtouch.modelfile.words import shown
@@ -46,8 +46,8 @@ def read_inertial(link: Element, name: str, read: Attributes) -> Inertial | None
         return None
     read.known(mass_element, ("value",))
     read.known(tensor, ENTRIES)
-    mass = read.number(mass_element, "value")
-    ixx, ixy, ixz, iyy, iyz, izz = (read.number(tensor, each) for each in ENTRIES)
+    mass = read.number(mass_element, "value", largest=LARGEST_SIZE)
+    ixx, ixy, ixz, iyy, iyz, izz = (read.number(tensor, each, largest=LARGEST_SIZE) for each in ENTRIES)
     inertia = (ixx, ixy, ixz, iyy, iyz, izz)
     if mass < 0:
         read.refuse(mass_element, f"{what} has a negative mass, {mass:g} kg", "value")

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Final
 
 from firmtouch.modelfile.read import read_bytes
-from firmtouch.modelfile.urdf.attributes import Attributes
+from firmtouch.modelfile.urdf.attributes import LARGEST_SIZE, Attributes
 from firmtouch.modelfile.urdf.inertial import read_inertial, read_pose
 from firmtouch.modelfile.urdf.robot import UNLIMITED, JointType, Limits, Link, Mimic, UrdfJoint, UrdfRobot
 from firmtouch.modelfile.urdf.structure import arrange
@@ -151,7 +151,11 @@ def _mimic(element: Element, kind: JointType, what: str, read: Attributes) -> Mi
         return None
     read.known(mimic, ("joint", "multiplier", "offset"))
     leader = read.word(mimic, "joint", f"the `<mimic>` of {what}")
-    return Mimic(leader, read.number(mimic, "multiplier", 1.0), read.number(mimic, "offset", 0.0))
+    multiplier, offset = (
+        read.number(mimic, name, default, largest=LARGEST_SIZE)
+        for name, default in (("multiplier", 1.0), ("offset", 0.0))
+    )
+    return Mimic(leader, multiplier, offset)
 
 
 def _losses(element: Element, what: str, read: Attributes) -> tuple[float, float]:

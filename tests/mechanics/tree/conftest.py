@@ -47,7 +47,8 @@ def functions(tree):
     made = {name: ca.Function(name, [q, qdot], [ca.densify(each)]) for name, each in outputs.items()}
 
     def call(name):
-        return lambda x, v=None: made[name](x, np.zeros(tree.n) if v is None else v).full().squeeze()
+        shape = {"P": (), "K": ()}.get(name, (-1,) if name in ("theta", "P_q", "p") else made[name].size_out(0))
+        return lambda x, v=None: made[name](x, np.zeros(tree.n) if v is None else v).full().reshape(shape)
 
     return SimpleNamespace(**{name: call(name) for name in made})
 

@@ -48,11 +48,11 @@ def test_locked_joints_are_the_same_as_not_moving(branched, say, rng):
     part = say.functions(locked)
     for q, v in rng.normal(size=(5, 2)):
         full, speeds = [q, -0.2, 0.4], [v, 0, 0]
-        assert part.M([q]) == pytest.approx(whole.M(full)[0, 0], rel=ROUNDING)
-        assert part.theta([q], [v]) == pytest.approx(whole.theta(full, speeds)[0], rel=ROUNDING, abs=ROUNDING)
+        assert part.M([q])[0, 0] == pytest.approx(whole.M(full)[0, 0], rel=ROUNDING)
+        assert part.theta([q], [v])[0] == pytest.approx(whole.theta(full, speeds)[0], rel=ROUNDING, abs=ROUNDING)
         np.testing.assert_allclose(part.p([q]), whole.p(full), atol=ROUNDING)
         np.testing.assert_allclose(part.R([q]), whole.R(full), atol=ROUNDING)
-        np.testing.assert_allclose(part.J([q]), whole.J(full)[:, 0], atol=ROUNDING)
+        np.testing.assert_allclose(part.J([q])[:, 0], whole.J(full)[:, 0], atol=ROUNDING)
 
 
 def test_the_base_pose_and_gravity_turn_together(branched, say, rng):
@@ -77,6 +77,14 @@ def test_a_payload_is_a_body_at_its_frame(branched, say, rng):
         M = m * J_c.T @ J_c + J[3:].T @ R @ inertia @ R.T @ J[3:]
         np.testing.assert_allclose(loaded.M(q) - empty.M(q), M, atol=10 * ROUNDING)
         assert loaded.P(q) - empty.P(q) == pytest.approx(m * 9.81 * (empty.p(q) + arm)[2], abs=100 * ROUNDING)
+
+
+def test_roll_turns_first_and_yaw_last():
+    # x, y, z go by the roll to x, z, -y, and from there by the yaw to y, z, x.
+    R = placement(rpy=(math.pi / 2, 0, math.pi / 2)).R
+    np.testing.assert_allclose(R, [[0, 0, 1], [1, 0, 0], [0, 1, 0]], atol=ROUNDING)
+    R = placement(rpy=(0, math.pi / 2, math.pi / 2)).R  # by the pitch to -z, y, x, then to -z, -x, y
+    np.testing.assert_allclose(R, [[0, -1, 0], [0, 0, 1], [-1, 0, 0]], atol=ROUNDING)
 
 
 @pytest.mark.parametrize(

@@ -116,10 +116,9 @@ def _axis(element: Element, kind: JointType, what: str, read: Attributes) -> tup
         return 1.0, 0.0, 0.0
     read.known(axis, ("xyz",))
     x, y, z = read.triple(axis, "xyz", (1.0, 0.0, 0.0))
-    # hypot neither overflows nor underflows where a sum of squares would.
-    length = math.hypot(x, y, z)
-    if length == 0 or math.isinf(length):
-        read.refuse(axis, f"the axis of {what} has the length {length:g}", "xyz")
+    length = math.hypot(x, y, z)  # which does not underflow where a sum of squares would
+    if length == 0:
+        read.refuse(axis, f"the axis of {what} has the length 0", "xyz")
         return 1.0, 0.0, 0.0
     return x / length, y / length, z / length
 

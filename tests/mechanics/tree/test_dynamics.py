@@ -20,7 +20,7 @@ from firmtouch.mechanics.tree import (
     theta,
 )
 from firmtouch.mechanics.tree.inertia import SpatialInertia
-from firmtouch.modelfile.urdf import read_urdf
+from firmtouch.modelfile.urdf import parse_urdf, read_urdf
 
 ROOT = Path(__file__).parents[3]
 ROUNDING = 1e-12  # of the largest entry; a few thousand operations in binary64 leave some 1e-15
@@ -239,3 +239,27 @@ def test_a_ur5e_at_rest_weighs_on_its_shoulder_what_the_table_says(say):
     masses = [8.058, 2.846, 1.37, 1.3, 0.365]
     wanted = 9.81 * sum(m * x for m, x in zip(masses, reach, strict=True))
     assert f.theta(np.zeros(6))[1] == pytest.approx(wanted, rel=ROUNDING)
+
+
+def test_a_panda_weighs_on_its_joints_what_was_identified(say):
+    """The coefficients of gravity that Gaz et al. identified, at two configurations where few of them act."""
+    tree = build_tree(read_urdf(ROOT / "models" / "urdf" / "panda.urdf"), gravity=(0, 0, -9.80665))
+    f = say.functions(tree)
+    level = f.theta([0, math.pi / 2, 0, 0, 0, 0, 0]) / 9.80665
+    upright = f.theta(np.zeros(7)) / 9.80665
+    # kg m; feasible parameters meet the identified coefficients to some tenths of a percent only.
+    assert level[1] == pytest.approx(-3.10257567176716 - 1.718488169611198 + 0.06771174144247946, rel=1e-3)
+    assert level[3] == pytest.approx(1.718488169611198 - 0.06771174144247946, rel=1e-3)
+    assert upright[5] == pytest.approx(0.1656809687593008 + 0.006230758965393622, rel=5e-3)
+
+
+def test_what_cannot_be_identified_of_a_pandas_first_link_has_no_effect(rng, say):
+    text = (ROOT / "models" / "urdf" / "panda.urdf").read_text(encoding="utf-8")
+    other = text
+    for old, new in (('"0.003875 0.002081 -0.04762"', '"0.003875 0.002081 -0.175"'), ('ixx="0.70337"', 'ixx="0.71"')):
+        assert text.count(old) == 1
+        other = other.replace(old, new)
+    one, two = (say.functions(build_tree(parse_urdf(each.encode(), file="panda"))) for each in (text, other))
+    for q, v in rng.normal(size=(5, 2, 7)):
+        close(one.M(q), two.M(q))
+        close(one.theta(q, v), two.theta(q, v))

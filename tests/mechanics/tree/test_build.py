@@ -133,6 +133,14 @@ def test_a_link_that_moves_needs_an_inertial_in_the_file(say):
     assert build_tree(massless).n == 2
 
 
+def test_very_many_joints_are_refused_before_anything_is_derived(say):
+    links = [say.link("l0"), *(say.link(f"l{i}", 1.0) for i in range(1, 102))]
+    joints = [say.joint(f"j{i}", "revolute", f"l{i - 1}", f"l{i}") for i in range(1, 102)]
+    with pytest.raises(InputError, match="101 joints move; at most 100 are taken"):
+        build_tree(say.robot(*links, *joints))
+    assert build_tree(say.robot(*links, *joints), locked={"j7": 0.5}).n == 100
+
+
 def test_bounds_that_exclude_each_other_are_said(say):
     robot = say.robot(
         say.link("base"), say.link("a", 1.0), say.link("b", 1.0), say.joint("j", "revolute", "base", "a", limits=(0, 1)),

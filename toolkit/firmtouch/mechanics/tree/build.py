@@ -22,6 +22,8 @@ from firmtouch.modelfile.words import shown
 
 EARTH: Final = (0.0, 0.0, -9.81)
 """Gravity where z points up, m/s^2."""
+MOST_JOINTS: Final = 100
+"""Twice what a humanoid has; the expressions of M grow with the square of it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +54,7 @@ def build_tree(
     Raises
     ------
     InputError
-        If a name is unknown, the tool or the payload does not move, or a number is not possible.
+        If a name is unknown, the tool or the payload does not move, too many joints do, or a number is not possible.
     ModelFileError
         If a link that moves has no inertia in the file, or a joint cannot move within all bounds.
     """
@@ -68,6 +70,10 @@ def build_tree(
             growth.move(joint)
     if not growth.moving:
         raise InputError("no joint is left that could move")
+    if len(growth.moving) > MOST_JOINTS:
+        raise InputError(
+            f"{len(growth.moving)} joints move; at most {MOST_JOINTS} are taken: lock some, or name the tool"
+        )
     growth.check_described()
     tree = KinematicTree(
         growth.coordinates(), growth.joints(), growth.frames, tool, _finite(gravity, "the gravity", (3,))

@@ -56,7 +56,7 @@ def read_model(path: Path | str) -> ModelFile:
     return parse_model(read_bytes(path), name=path.stem, file=str(path))
 
 
-def read_bytes(path: Path) -> bytes:
+def read_bytes(path: Path, largest: int = LARGEST) -> bytes:
     """Read what may be read of a file, and one byte more.
 
     Raises
@@ -66,7 +66,7 @@ def read_bytes(path: Path) -> bytes:
     """
     try:
         with path.open("rb") as file:
-            return file.read(LARGEST + 1)
+            return file.read(largest + 1)
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) else None
         raise InputError(f"{path}: cannot be read ({reason or error})") from error

@@ -1,0 +1,17 @@
+"""URDF, the robot description format: a file -> a checked `UrdfRobot`, mistakes at `file:line:column`."""
+
+from firmtouch.modelfile.urdf.read import parse_urdf, read_urdf
+from firmtouch.modelfile.urdf.robot import Inertial, JointType, Limits, Link, Mimic, Pose, UrdfJoint, UrdfRobot
+
+__all__ = [
+    "Inertial",
+    "JointType",
+    "Limits",
+    "Link",
+    "Mimic",
+    "Pose",
+    "UrdfJoint",
+    "UrdfRobot",
+    "parse_urdf",
+    "read_urdf",
+]

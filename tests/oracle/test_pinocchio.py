@@ -5,6 +5,7 @@ from pathlib import Path
 
 import casadi as ca
 import numpy as np
+import pinocchio as pin
 import pytest
 
 from firmtouch.mechanics.tree import build_tree, frame_jacobian, frame_pose, mass_matrix, potential_energy, theta
@@ -14,8 +15,6 @@ ROOT = Path(__file__).parents[2]
 STATES = 1000
 AGREE = 1e-10
 """Of the largest entry, the bound that the derivation promises; measured: 1.2e-14."""
-
-pytestmark = pytest.mark.pinocchio
 
 
 def random_tree(seed: int) -> str:
@@ -51,17 +50,16 @@ ARMS |= {f"random {seed}": random_tree(seed) for seed in range(4)}
 @pytest.fixture(scope="module", params=ARMS)
 def both(request):
     """Give the same arm here and there, its coordinates in Pinocchio's order."""
-    pin = pytest.importorskip("pinocchio")
     tree = build_tree(parse_urdf(ARMS[request.param].encode(), file=request.param), tool="flange")
     model = pin.buildModelFromXML(ARMS[request.param])
     order = [list(model.names)[1:].index(each.name) for each in tree.coordinates]
     joints = tuple(replace(each, coordinate=order[each.coordinate]) for each in tree.joints)
     assert sorted(order) == list(range(model.nv))
-    return pin, model, model.createData(), replace(tree, joints=joints)
+    return model, model.createData(), replace(tree, joints=joints)
 
 
 def test_dynamics_and_frames_agree_at_random_states(both, rng):
-    pin, model, data, tree = both
+    model, data, tree = both
     q, v = ca.SX.sym("q", tree.n), ca.SX.sym("v", tree.n)
     p, R = frame_pose(tree, "flange", q)
     outputs = [mass_matrix(tree, q), theta(tree, q, v), p, R, frame_jacobian(tree, "flange", q)]

@@ -16,6 +16,8 @@ STATES = 1000
 AGREE = 1e-10
 """Of the largest entry, the bound that the derivation promises; measured: 1.2e-14."""
 
+pytestmark = pytest.mark.slow  # a thousand states of eight arms
+
 
 def random_tree(seed: int) -> str:
     """Write a tree of eight links, by all kinds of joints, with skew axes and frames; its last link is the flange."""

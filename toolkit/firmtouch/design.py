@@ -88,6 +88,7 @@ class ChecksFailedError(NoDesignError):
 class FoundGains:
     """Gains as a method found them, in their loop; see `Design` for the other fields."""
 
+    model: ModelFile
     loop: ClosedLoop
     requested: tuple[complex, ...]
     achieved: tuple[complex, ...]
@@ -114,13 +115,13 @@ def find_gains(
     op = find_operating_point(derive_plant(model.spec))
     if model.spec.design.method == "region":
         region = _design_region(op, model, front, progress)
-        return FoundGains(region.loop, (), region.loop.poles.pencil, region)
+        return FoundGains(model, region.loop, (), region.loop.poles.pencil, region)
     if front is not None:
         raise InputError("a front weighs objectives of region designs; this one assigns poles (`--method region`)")
     progress("assigning the poles")
     loop = assign_poles(op, model.spec.design)
     requested = requested_poles(model.spec.design)
-    return FoundGains(loop, requested, match_poles(loop.poles.pencil, requested), None)
+    return FoundGains(model, loop, requested, match_poles(loop.poles.pencil, requested), None)
 
 
 def design_model(
@@ -138,9 +139,9 @@ def design_model(
     InputError
         If the file's intervals or objectives make no sense for the mechanism.
     """
-    model = replace(model, spec=with_chosen_force_feedback(model.spec))
     found = find_gains(model, progress, front=front)
-    spec, loop, region = model.spec, found.loop, found.region
+    model, loop, region = found.model, found.loop, found.region
+    spec = model.spec
     op = loop.operating_point
     progress("checking the model")
     checks, symbolic = check_model(model)

@@ -18,6 +18,11 @@ STRONG: Final = 1e3
 """A contact force this many times what the operating point knows of has run away."""
 
 
+def force_scale(op: OperatingPoint) -> float:
+    """Give the size of the forces that the operating point knows of, in SI: 1 + max |lambda_d| + max |g|."""
+    return 1 + float(np.max(np.abs(op.lambda_d))) + float(np.max(np.abs(op.g)))
+
+
 def contact_signs(op: OperatingPoint) -> Array:
     """Give for each constraint the sign that lambda must keep, m: that of lambda_d (+ for zero), or 0 for any."""
     one_sided = np.array([each.one_sided for each in op.plant.spec.constraints.values()])
@@ -49,11 +54,10 @@ def ran_away(samples: Samples, loop: ClosedLoop, distance: float) -> tuple[int, 
     Numbers that are not finite have run away too.
     """
     op = loop.operating_point
-    scale = 1 + float(np.max(np.abs(op.lambda_d))) + float(np.max(np.abs(op.g)))
     with np.errstate(invalid="ignore"):
         far = np.max(np.abs(samples.x[: op.n] - op.q_d[:, None]), axis=0)
         near = far <= max(FAR, FURTHER * distance)
-        weak = np.max(np.abs(samples.lambda_), axis=0) <= STRONG * scale
+        weak = np.max(np.abs(samples.lambda_), axis=0) <= STRONG * force_scale(op)
     ended = ~(near & weak)
     if not np.any(ended):
         return None

@@ -14,7 +14,7 @@ from firmtouch.regulation import ClosedLoop, OperatingPoint
 from firmtouch.regulation.equilibrium import Equilibrium, NoEquilibriumError, solve_rest
 from firmtouch.simulation.continuous import ContinuousRun, Integrator, build_integrator, even_points
 from firmtouch.simulation.dae import Dae, Input, derive_dae, parameters_of
-from firmtouch.simulation.ending import contact_signs, lost_contact, ran_away
+from firmtouch.simulation.ending import contact_signs, force_scale, lost_contact, ran_away
 from firmtouch.simulation.samples import Samples
 from firmtouch.simulation.scenario import Scenario
 from firmtouch.simulation.start import consistent_start
@@ -35,7 +35,6 @@ class Simulator:
 
     dae: Dae
     machine: Integrator | Stepper
-    tolerance: float
 
 
 def build_simulator(loop: ClosedLoop, scenario: Scenario, *, tolerance: float = TOLERANCE) -> Simulator:
@@ -43,7 +42,7 @@ def build_simulator(loop: ClosedLoop, scenario: Scenario, *, tolerance: float = 
     dae = derive_dae(loop, scenario.feedback, sinusoids=len(scenario.world.sinusoids))
     stepwise = dae.input in (Input.HELD, Input.REMEMBERED)
     machine = build_stepper(dae, tolerance) if stepwise else build_integrator(dae, tolerance, even_points())
-    return Simulator(dae, machine, tolerance)
+    return Simulator(dae, machine)
 
 
 def simulate(
@@ -97,10 +96,6 @@ def find_equilibrium(dae: Dae, world: World, t: float) -> Equilibrium | None:
         return None
 
 
-def _force_scale(op: OperatingPoint) -> float:
-    return 1 + float(np.max(np.abs(op.lambda_d))) + float(np.max(np.abs(op.g)))
-
-
 def _ended_early(samples: Samples, loop: ClosedLoop, distance: float) -> tuple[Outcome, str] | None:
     """Tell whether the last sample is where the run had to end."""
     op, t = loop.operating_point, float(samples.t[-1])
@@ -134,7 +129,7 @@ def _at_the_end(samples: Samples, op: OperatingPoint, rest: Equilibrium | None) 
         return Outcome.MOVING, f"still moved at {t:.4g} s, at up to {speed:.2g} {unit} per second"
     if rest is not None and np.max(np.abs(q - rest.q)) <= ARRIVED:
         away = float(np.max(np.abs(samples.lambda_[:, -1] - rest.lambda_)))
-        if away > ARRIVED * _force_scale(op):
+        if away > ARRIVED * force_scale(op):
             return Outcome.MOVING, f"the contact force still moved at {t:.4g} s, {away:.3g} (in SI) from its rest"
         return Outcome.CONVERGED, f"came to rest {where}"
     return Outcome.ELSEWHERE, f"came to rest at another equilibrium, {where}"

@@ -36,17 +36,15 @@ def usual_scenarios(loop: ClosedLoop, errors: SteadyState) -> tuple[Scenario, ..
         return Scenario(name, title, feedback, start, world, duration)
 
     beside = Start(frozen(op.q_d + _aside(loop)), still.qdot)
-
-    push = Disturbance(causes_of(errors)["force"], start=STEP_AT * duration)
-    Delta = causes_of(errors)["offset"]
+    causes = causes_of(errors)
+    push = Disturbance(causes["force"], start=STEP_AT * duration)
     found = [
         scenario("start_error", "Let go beside q_d", nominal, beside),
         scenario("force_step", "A constant force begins", replace(nominal, disturbances=(push,))),
-        scenario("offset", "The surface is off", replace(nominal, Delta=Delta)),
+        scenario("offset", "The surface is off", replace(nominal, Delta=causes["offset"])),
     ]
     if np.any(op.lambda_d):
-        d = causes_of(errors)["tilt"]
-        found.append(scenario("tilt", "The surface is tilted", tilted(op, nominal, d)))
+        found.append(scenario("tilt", "The surface is tilted", tilted(op, nominal, causes["tilt"])))
     path = force_path_of(op.plant.spec)
     if path is not None:
         again = scenario("force_path", "Let go beside q_d, the force signal through its path", nominal, beside)
@@ -56,13 +54,13 @@ def usual_scenarios(loop: ClosedLoop, errors: SteadyState) -> tuple[Scenario, ..
 
 def causes_of(errors: SteadyState) -> dict[str, Array]:
     """Give the worst causes for the position (for the offset: the contact force), within the bounds or small ones."""
-    chosen = {"force": errors.force.worst_position, "offset": errors.offset.worst_constraint_force}
-    found = {}
-    for name, worst in chosen.items():
-        found[name] = worst.cause if getattr(errors, name).given else frozen(SMALL[name] * worst.cause)
-    tilt = errors.tilt
-    found["tilt"] = frozen(tilt.worst_position.cause * (1.0 if tilt.given else SMALL["tilt"]))
-    return found
+    chosen = {
+        "force": errors.force.worst_position,
+        "offset": errors.offset.worst_constraint_force,
+        "tilt": errors.tilt.worst_position,
+    }
+    sizes = {name: 1.0 if getattr(errors, name).given else SMALL[name] for name in chosen}
+    return {name: frozen(sizes[name] * worst.cause) for name, worst in chosen.items()}
 
 
 def _aside(loop: ClosedLoop) -> Array:

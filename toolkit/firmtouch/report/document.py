@@ -77,12 +77,16 @@ class Table:
 
 @dataclass(frozen=True, slots=True)
 class Figure:
-    """A picture with its words: `alt` says what is to be seen, to those who cannot see it."""
+    """A picture with its words: `alt` says what is to be seen, to those who cannot see it.
+
+    On a narrow screen each of its `panels`, which stand side by side, stays wide enough to be read.
+    """
 
     svg: str
     caption: Line
     alt: str
     width: float = 1.0
+    panels: int = 1
 
 
 @dataclass(frozen=True, slots=True)

@@ -56,7 +56,7 @@ def runs_as_blocks(runs: tuple[Run, ...], op: OperatingPoint, prefix: str) -> It
         title, reason = each.trajectory.scenario.title, each.trajectory.reason
         caption = prose(f"{title}: {reason}.")
         alt = f"Position error, constraint force and joint forces over time: {title}"
-        yield Figure(run_picture(each, op, f"{prefix}{i}"), caption, alt)
+        yield Figure(run_picture(each, op, f"{prefix}{i}"), caption, alt, panels=3)
 
 
 def _table(runs: tuple[Run, ...], op: OperatingPoint) -> Table:

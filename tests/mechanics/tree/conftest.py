@@ -29,21 +29,20 @@ def joint(name, kind, parent, child, *at, limits=(-10, 10), extra=""):
     )
 
 
-def functions(tree):
-    """Give M, theta, P, K and the tool's frame of a tree as functions of numbers."""
+def functions(tree, frame=None, inertias=None):
+    """Give M, theta, P, K and a frame of a tree (its last one, if none is named) as functions of numbers."""
     q, qdot = ca.SX.sym("q", tree.n), ca.SX.sym("qdot", tree.n)
-    P = trees.potential_energy(tree, q)
+    P = trees.potential_energy(tree, q, inertias)
     outputs = {
-        "M": trees.mass_matrix(tree, q),
-        "theta": trees.theta(tree, q, qdot),
+        "M": trees.mass_matrix(tree, q, inertias),
+        "theta": trees.theta(tree, q, qdot, inertias),
         "P": P,
         "P_q": ca.gradient(P, q),
-        "K": trees.kinetic_energy(tree, q, qdot),
+        "K": trees.kinetic_energy(tree, q, qdot, inertias),
     }
-    if tree.tool is not None:
-        p, R = trees.frame_pose(tree, tree.tool, q)
-        J = trees.frame_jacobian(tree, tree.tool, q)
-        outputs |= {"p": p, "R": R, "J": J}
+    frame = frame or list(tree.frames)[-1]
+    p, R = trees.frame_pose(tree, frame, q)
+    outputs |= {"p": p, "R": R, "J": trees.frame_jacobian(tree, frame, q)}
     made = {name: ca.Function(name, [q, qdot], [ca.densify(each)]) for name, each in outputs.items()}
 
     def call(name):

@@ -10,6 +10,7 @@ import numpy as np
 from firmtouch.mechanics.arrays import Array, frozen
 from firmtouch.mechanics.tree.inertia import BodyInertia
 from firmtouch.mechanics.tree.placement import Placement
+from firmtouch.modelfile.urdf import MovingJoint
 
 WORLD = -1
 """The body that carries what stands still; its frame is the world's."""
@@ -36,21 +37,6 @@ class TreeJoint:
 
 
 @dataclass(frozen=True, slots=True)
-class Coordinate:
-    """An independent joint's position: rad where it `revolves`, else m. Bounds as in the file, positions narrowed.
-
-    `lower` and `upper` are such that the joints that follow this one also stay within theirs.
-    """
-
-    name: str
-    revolves: bool
-    lower: float
-    upper: float
-    velocity: float
-    effort: float
-
-
-@dataclass(frozen=True, slots=True)
 class Frame:
     """A link's frame, at `placement` in the frame of `body`."""
 
@@ -62,13 +48,12 @@ class Frame:
 class KinematicTree:
     """An arm with n coordinates: `joints[i]` carries body i, and stands behind the joint of its parent.
 
-    `frames` are the links that the file names; `tool` is one of them. `gravity` (3, m/s^2) is in the world's axes.
+    `frames` are the links that the file names. `gravity` (3, m/s^2) is in the world's axes.
     """
 
-    coordinates: tuple[Coordinate, ...]
+    coordinates: tuple[MovingJoint, ...]
     joints: tuple[TreeJoint, ...]
     frames: dict[str, Frame]
-    tool: str | None
     gravity: Array
 
     @property

@@ -1,5 +1,6 @@
 """URDF, the robot description format: a file -> a checked `UrdfRobot`, mistakes at `file:line:column`."""
 
+from firmtouch.modelfile.urdf.moving import Moving, MovingJoint, select_moving
 from firmtouch.modelfile.urdf.read import parse_urdf, read_urdf
 from firmtouch.modelfile.urdf.robot import Inertial, JointType, Limits, Link, Mimic, Pose, UrdfJoint, UrdfRobot
 
@@ -9,9 +10,12 @@ __all__ = [
     "Limits",
     "Link",
     "Mimic",
+    "Moving",
+    "MovingJoint",
     "Pose",
     "UrdfJoint",
     "UrdfRobot",
     "parse_urdf",
     "read_urdf",
+    "select_moving",
 ]

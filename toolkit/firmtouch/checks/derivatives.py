@@ -6,15 +6,18 @@ import math
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, Final
 
+import casadi as ca
 import numpy as np
 
-from firmtouch.checks.growth import expressions, second_derivatives
+from firmtouch.checks.growth import second_derivatives
 from firmtouch.checks.inertia import ROUNDING
 from firmtouch.checks.result import CheckResult, at_most, largest, told
 from firmtouch.checks.subject import Subject, relative
 from firmtouch.mechanics import Array
 from firmtouch.mechanics.arrays import call
 from firmtouch.modelfile.expression.functions import SCALAR
+from firmtouch.modelfile.sections.robot import Robot
+from firmtouch.modelfile.sections.section import expressions_in
 
 if TYPE_CHECKING:
     from firmtouch.mechanics.symbolic import SymbolicPlant
@@ -56,7 +59,9 @@ def hessians_by_differences(subject: Subject) -> CheckResult:
 
 
 def derivations_agree(subject: Subject, symbolic: SymbolicPlant | None) -> CheckResult:
-    """CasADi's and SymPy's derivations agree at random states; `None` where SymPy was not asked."""
+    """Two derivations agree at random states: CasADi's and SymPy's (`None` where it was not asked), or a robot's two."""
+    if isinstance(subject.plant.spec.mechanism, Robot):
+        return _recursion_agrees(subject)
     if symbolic is None:
         return told("two derivations", "not compared: too large for SymPy")
     pairs = [_pairs(subject, symbolic, q, qdot) for q, qdot in subject.states(3)]
@@ -69,11 +74,29 @@ def derivations_agree(subject: Subject, symbolic: SymbolicPlant | None) -> Check
     return at_most("two derivations", errors[worst], ROUNDING, detail)
 
 
+def _recursion_agrees(subject: Subject) -> CheckResult:
+    """M and theta by recursion over the tree agree with Eqs. (2)-(4) from the energies."""
+    plant = subject.plant
+    q, qdot, p = ca.SX.sym("q", plant.n), ca.SX.sym("qdot", plant.n), plant.p
+    K, P = plant.functions["K"](q, qdot, p), plant.functions["P"](q, p)
+    momentum = ca.gradient(K, qdot)
+    outputs = [ca.jacobian(momentum, qdot), ca.jtimes(momentum, q, qdot) - ca.gradient(K, q) + ca.gradient(P, q)]
+    function = ca.Function("lagrange", [q, qdot], [ca.densify(each) for each in outputs])
+    errors = []
+    for at, velocity in subject.states(3):
+        M, theta = (each.full() for each in function(at, velocity))
+        errors += [relative(plant.M(at) - M, M), relative(plant.theta(at, velocity) - theta.ravel(), theta)]
+    detail = "M and theta by recursion over the joints against Lagrange's equations of the energies, at 3 states"
+    return at_most("two derivations", largest(errors), ROUNDING, detail)
+
+
 def worth_comparing(subject: Subject) -> bool:
     """Tell whether SymPy can derive this model in two seconds."""
     plant, spec = subject.plant, subject.plant.spec
+    if isinstance(spec.mechanism, Robot):
+        return False
     computed = sum(plant.functions[name].n_instructions() for name in ("theta", "M", "Phi_qq", "P_qq"))
-    deepest = max(each.extent.depth for each in expressions((spec.mechanism, spec.constraints)))
+    deepest = max(each.extent.depth for each in expressions_in((spec.mechanism, spec.entries)))
     written = plant.n * second_derivatives(spec)
     return computed <= LARGEST_COMPUTED and deepest <= DEEPEST_WRITTEN and written <= LARGEST_WRITTEN
 

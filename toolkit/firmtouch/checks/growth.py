@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
-from firmtouch.modelfile import Expression, ModelSpec
+from firmtouch.modelfile import ModelSpec
 from firmtouch.modelfile.expression import Call, Name, Node, Number, Power, Product, Rate, Sum, Vector
 from firmtouch.modelfile.expression.tree import children
-from firmtouch.modelfile.sections.section import Section
+from firmtouch.modelfile.sections.section import expressions_in
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,7 +25,7 @@ def second_derivatives(spec: ModelSpec) -> int:
     known = {name: Size(1, 1) for name in spec.coordinates}
     for name, expression in spec.definitions.items():
         known[name] = size_of(expression.tree, known)
-    return sum(size_of(each.tree, known).second for each in expressions((spec.mechanism, spec.constraints)))
+    return sum(size_of(each.tree, known).second for each in expressions_in((spec.mechanism, spec.entries)))
 
 
 def size_of(node: Node, known: Mapping[str, Size]) -> Size:
@@ -65,17 +65,3 @@ def _function(parts: list[Size]) -> Size:
     k, first, seconds = len(moving), sum(each.first for each in moving), [each.second for each in moving if each.second]
     pairs = k * k * written + 2 * k * first
     return Size(written, first + k * written, sum(seconds) + len(seconds) * written + pairs)
-
-
-def expressions(part: object) -> Iterator[Expression]:
-    """Find the expressions of a part of the specification."""
-    match part:
-        case Expression():
-            yield part
-        case Section():
-            yield from expressions([value for _, value in part])
-        case Mapping():
-            yield from expressions(list(part.values()))
-        case tuple() | list():
-            for each in part:
-                yield from expressions(each)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from firmtouch.checks import contact, curvature, derivatives, inertia, motion
+from firmtouch.checks import contact, curvature, derivatives, inertia, limits, motion
 from firmtouch.checks.result import CheckReport, CheckResult
 from firmtouch.checks.subject import Subject, make_subject
 from firmtouch.modelfile import ModelFile
@@ -19,6 +19,8 @@ CHECKS: Final[tuple[Callable[[Subject], CheckResult], ...]] = (
     contact.on_surface,
     contact.full_rank,
     contact.force_in_range,
+    limits.within_limits,
+    limits.drives_hold,
     inertia.inertia_symmetric,
     inertia.inertia_positive,
     inertia.kinetic_energy_homogeneous,

@@ -7,11 +7,12 @@ from dataclasses import dataclass, replace
 import casadi as ca
 import numpy as np
 
-from firmtouch.mechanics import rigid_bodies
+from firmtouch.mechanics.arm import arm_of
 from firmtouch.mechanics.arrays import Array, Vector, call, call_vector, frozen, symmetric
+from firmtouch.mechanics.constraints import constraints_of
+from firmtouch.mechanics.equations import equations_of
 from firmtouch.mechanics.symbols import Symbols
 from firmtouch.modelfile import ModelSpec
-from firmtouch.modelfile.sections.mechanism import Bodies
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,20 +86,24 @@ class Plant:
 
 
 def derive_plant(spec: ModelSpec) -> Plant:
-    """Derive Eqs. (1)-(4) for a specification, at its nominal parameters."""
+    """Derive Eqs. (1)-(4) for a specification, at its nominal parameters.
+
+    Raises
+    ------
+    InputError
+        If a robot cannot be built as asked; a `ModelFileError` where its file is to blame.
+    """
     symbols = Symbols(spec)
     q, qdot, p = symbols.q, symbols.qdot, symbols.p
-    M, K, P = _energies(spec, symbols)
-    Phi = ca.vertcat(*(symbols.scalar(each.expression) for each in spec.constraints.values()))
-    J = ca.jacobian(Phi, q)
-    K_q, P_q = ca.gradient(K, q), ca.gradient(P, q)
-    momentum = M @ qdot
+    arm = arm_of(spec, symbols)
+    motion, Phi = equations_of(spec, symbols, arm), constraints_of(spec, symbols, arm)
+    J, P_q = ca.jacobian(Phi, q), ca.gradient(motion.P, q)
     outputs = {
-        "K": K,
-        "M": M,
-        "theta": ca.jtimes(momentum, q, qdot) - K_q + P_q,  # Eq. (4)
+        "K": motion.K,
+        "M": motion.M,
+        "theta": motion.theta,
         "Jdot_qdot": ca.jtimes(J @ qdot, q, qdot),
-        "P": P,
+        "P": motion.P,
         "P_q": P_q,
         "P_qq": ca.jacobian(P_q, q),
         "Phi": Phi,
@@ -111,14 +116,3 @@ def derive_plant(spec: ModelSpec) -> Plant:
         for name, output in outputs.items()
     }
     return Plant(spec, frozen([each.value.value for each in spec.parameters.values()]), functions)
-
-
-def _energies(spec: ModelSpec, symbols: Symbols) -> tuple[ca.SX, ca.SX, ca.SX]:
-    """Give M, K and P; of given energies, M is the Hessian of K in q' at rest, so that K may be tested against it."""
-    mechanism, qdot = spec.mechanism, symbols.qdot
-    if isinstance(mechanism, Bodies):
-        M = rigid_bodies.mass_matrix(mechanism, symbols)
-        return M, ca.dot(qdot, M @ qdot) / 2, rigid_bodies.potential_energy(mechanism, symbols)
-    K = symbols.scalar(mechanism.kinetic_energy)
-    at_rest = ca.substitute(ca.hessian(K, qdot)[0], qdot, ca.SX.zeros(spec.n))
-    return at_rest, K, symbols.scalar(mechanism.potential_energy)

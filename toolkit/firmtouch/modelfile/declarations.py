@@ -7,7 +7,7 @@ no second message elsewhere.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import chain
 from typing import Any
@@ -16,6 +16,7 @@ from firmtouch.modelfile.expression import ExpressionError, Kind, kind_of, parse
 from firmtouch.modelfile.expression.kind import UNKNOWN
 from firmtouch.modelfile.expression.problem import Problem
 from firmtouch.modelfile.expression.tree import Name, Node, Vector, children
+from firmtouch.modelfile.rows import rows_written
 from firmtouch.modelfile.units import JOULE, SECOND, UnitError, parse_unit, split_quantity
 
 MOST_COORDINATES = 40
@@ -35,7 +36,9 @@ class Extent:
 class Declarations:
     """Names and their kinds, as a first reading of the file found them.
 
-    `hidden` are names that exist and cannot be used where these declarations are, each with the reason.
+    `hidden` are names that exist and cannot be used where these declarations are, each with the reason. `optional` are
+    constraints whose multiplier need not be given. Of a robot, `joints` are the coordinates as its joints make them,
+    `frames` what constraints can name, and `tools` those of them that are tools; `attached` reads its file.
     """
 
     parameters: Mapping[str, Kind] = field(default_factory=dict)
@@ -44,6 +47,11 @@ class Declarations:
     extents: Mapping[str, Extent] = field(default_factory=dict)
     constraints: Mapping[str, Kind] = field(default_factory=dict)
     hidden: Mapping[str, str] = field(default_factory=dict)
+    optional: frozenset[str] = frozenset()
+    joints: Mapping[str, Any] | None = None
+    frames: tuple[str, ...] | None = None
+    tools: tuple[str, ...] = ()
+    attached: Callable[[str], Any] | None = None
 
     @property
     def names(self) -> dict[str, Kind]:
@@ -126,14 +134,29 @@ class Declarations:
         return Extent(1 + sum(each.nodes for each in below), 1 + max((each.depth for each in below), default=0))
 
 
-def declarations(data: Mapping[str, Any]) -> Declarations:
-    """Read what a file declares; a name that is declared twice is of unknown kind."""
+def declarations(data: Mapping[str, Any], beside: Declarations | None = None) -> Declarations:
+    """Read what a file declares; a name that is declared twice is of unknown kind.
+
+    `beside` says what is known besides: how to read a robot's file, and the coordinates that its joints are.
+    """
+    beside = beside or Declarations()
     sections = [_section(data, name) for name in ("parameters", "coordinates", "definitions")]
     twice = {name for name, count in Counter(chain(*sections)).items() if count > 1}
     parameters = {name: UNKNOWN if name in twice else _parameter(value) for name, value in sections[0].items()}
     coordinates = {name: UNKNOWN if name in twice else _with_unit(value) for name, value in sections[1].items()}
-    constraints = {name: _with_unit(value) for name, value in _section(data, "constraints").items()}
-    known = Declarations(parameters, coordinates, constraints=constraints)
+    constraints: dict[str, Kind] = {}
+    optional: set[str] = set()
+    for entry, value in _section(data, "constraints").items():
+        rows = rows_written(value)
+        constraints |= {each.name(entry): _of_unit(each.unit) for each in rows} or {entry: _with_unit(value)}
+        optional |= {each.name(entry) for each in rows if each.optional}
+    known = replace(
+        beside,
+        parameters=parameters,
+        coordinates=coordinates | dict(beside.coordinates),
+        constraints=constraints,
+        optional=frozenset(optional),
+    )
     for name, value in sections[2].items():
         kind, extent = UNKNOWN, Extent(1, 1)
         if name not in twice:

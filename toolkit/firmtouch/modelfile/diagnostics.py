@@ -18,6 +18,8 @@ from firmtouch.modelfile.yamltext import Document
 MOST_MISTAKES: Final = 100
 KEY_MARK: Final = "[key]"
 """What pydantic ends a location with where it means the key."""
+TAGGED: Final[dict[str | int, int]] = {"mechanism": 1, "constraints": 2}
+"""How deep under a section pydantic puts the tag of the form that it read."""
 T = TypeVar("T", bound=BaseModel)
 
 
@@ -70,10 +72,13 @@ def _located(details: ErrorDetails, document: Document, root: type[BaseModel]) -
 
 
 def _location(location: tuple[str | int, ...], *, ours: bool) -> tuple[str | int, ...]:
-    """Drop from pydantic's location what the file does not hold: the mechanism's tag, the mark of a key of ours."""
+    """Drop from pydantic's location what the file does not hold: the tags of unions, the mark of a key of ours."""
     if ours and location[-1:] == (KEY_MARK,):
         location = location[:-1]
-    return ("mechanism", *location[2:]) if location[:1] == ("mechanism",) else location
+    tag = TAGGED.get(location[0]) if location else None
+    if tag is None or location[tag:][:1] == (KEY_MARK,):
+        return location
+    return (*location[:tag], *location[tag + 1 :])
 
 
 def _own_words(details: ErrorDetails, path: tuple[str | int, ...], root: type[BaseModel]) -> Problem:

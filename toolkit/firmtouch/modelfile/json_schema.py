@@ -12,7 +12,9 @@ from firmtouch.modelfile.specification import ModelSpec
 
 def model_schema() -> dict[str, Any]:
     """Give the JSON Schema (draft 2020-12) of a model file."""
-    return _schema(ModelSpec, "firmtouch model file")
+    schema = _schema(ModelSpec, "firmtouch model file")
+    schema["required"].remove("coordinates")  # a robot's joints are the coordinates
+    return schema
 
 
 def scenario_schema() -> dict[str, Any]:

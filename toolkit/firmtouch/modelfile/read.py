@@ -3,27 +3,33 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from firmtouch.errors import Diagnostic, InputError, ModelFileError
-from firmtouch.modelfile.declarations import declarations
+from firmtouch.errors import Diagnostic, ModelFileError
+from firmtouch.modelfile.declarations import Declarations
 from firmtouch.modelfile.diagnostics import validated
+from firmtouch.modelfile.files import Attached, beside, read_bytes
+from firmtouch.modelfile.robots import Robots, declared_with_robot
 from firmtouch.modelfile.specification import ModelSpec
-from firmtouch.modelfile.yamltext import LARGEST, Document, read_yaml
+from firmtouch.modelfile.yamltext import Document, read_yaml
 
 
 @dataclass(frozen=True, slots=True)
 class ModelFile:
     """A specification and where it came from: the file's name without its ending, and the SHA-256 of its bytes.
 
-    `document` knows where in the file each entry stands, for mistakes that only the mechanics can see.
+    `attached` are the files that it names, by the paths that it gives; the SHA-256 is of their bytes too. `document`
+    knows where in the file each entry stands, for mistakes that only the mechanics can see, `declared` what it declares.
     """
 
     name: str
     sha256: str
     spec: ModelSpec
     document: Document = field(compare=False, repr=False)
+    declared: Declarations = field(compare=False, repr=False)
+    attached: Mapping[str, bytes] = field(default_factory=dict)
 
     def with_method(self, method: str) -> ModelFile:
         """Choose among the methods that the file's `design` describes.
@@ -53,27 +59,18 @@ def read_model(path: Path | str) -> ModelFile:
         If the file cannot be read at all.
     """
     path = Path(path)
-    return parse_model(read_bytes(path), name=path.stem, file=str(path))
+    return parse_model(read_bytes(path), name=path.stem, file=str(path), attached=beside(path))
 
 
-def read_bytes(path: Path, largest: int = LARGEST) -> bytes:
-    """Read what may be read of a file, and one byte more.
-
-    Raises
-    ------
-    InputError
-        If it cannot be read at all.
-    """
-    try:
-        with path.open("rb") as file:
-            return file.read(largest + 1)
-    except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) else None
-        raise InputError(f"{path}: cannot be read ({reason or error})") from error
-
-
-def parse_model(content: bytes, *, name: str, file: str | None = None) -> ModelFile:
-    """Check the bytes of a model file; `file` is its name in messages."""
+def parse_model(
+    content: bytes, *, name: str, file: str | None = None, attached: Attached | None = None
+) -> ModelFile:
+    """Check the bytes of a model file; `file` is its name in messages, `attached` reads the files that it names."""
     document = read_yaml(content, file or name)
-    spec = validated(document, ModelSpec, declarations(document.data))
-    return ModelFile(name, hashlib.sha256(content).hexdigest(), spec, document)
+    robots = Robots(attached)
+    known = declared_with_robot(document, robots)
+    spec = validated(document, ModelSpec, known)
+    digest = hashlib.sha256(content)
+    for each in robots.files.values():
+        digest.update(each)
+    return ModelFile(name, digest.hexdigest(), spec, document, known, dict(robots.files))

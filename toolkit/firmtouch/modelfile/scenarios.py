@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from firmtouch.modelfile.declarations import declarations
 from firmtouch.modelfile.diagnostics import validated
-from firmtouch.modelfile.read import ModelFile, read_bytes
+from firmtouch.modelfile.files import read_bytes
+from firmtouch.modelfile.read import ModelFile
 from firmtouch.modelfile.sections.draw import DrawSpec
 from firmtouch.modelfile.sections.scenario import ScenarioFileSpec, ScenarioSpec
 from firmtouch.modelfile.yamltext import Document, read_yaml
@@ -38,5 +38,5 @@ def read_scenarios(path: Path | str, model: ModelFile) -> ScenarioFile:
 def parse_scenarios(content: bytes, model: ModelFile, *, file: str) -> ScenarioFile:
     """Check the bytes of a scenario file; `file` is its name in messages."""
     document = read_yaml(content, file, "scenario")
-    found = validated(document, ScenarioFileSpec, declarations(model.document.data))
+    found = validated(document, ScenarioFileSpec, model.declared)
     return ScenarioFile(dict(found.scenarios), found.draw, document)

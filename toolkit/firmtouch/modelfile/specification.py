@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Annotated, Final, Literal
+from typing import Annotated, Any, Final, Literal
 
 from pydantic import Field, ValidationInfo, model_validator
 
@@ -23,14 +23,15 @@ from firmtouch.modelfile.fields import (
     refuse,
 )
 from firmtouch.modelfile.sections.bounds import Bounds
-from firmtouch.modelfile.sections.constraint import Constraint
+from firmtouch.modelfile.sections.constraint import Constraint, Entry
+from firmtouch.modelfile.sections.frames import RowOfFrames
 from firmtouch.modelfile.sections.design import DesignSpec
 from firmtouch.modelfile.sections.drawing import Drawing
 from firmtouch.modelfile.sections.force_path import ForcePathSpec
 from firmtouch.modelfile.sections.mechanism import Mechanism
 from firmtouch.modelfile.sections.operating_point import OperatingPointSpec
 from firmtouch.modelfile.sections.region import RegionSpec, UncertaintySpec
-from firmtouch.modelfile.sections.section import Section
+from firmtouch.modelfile.sections.section import Section, expressions_in
 from firmtouch.modelfile.sections.variables import Coordinate, Parameter
 
 
@@ -70,8 +71,12 @@ class ModelSpec(Section):
     definitions: Annotated[dict[str, Expression], Checked(_definitions, _DEFINITIONS)] = Field(
         {}, description="named intermediate expressions, scalars or vectors; each may use those above it"
     )
-    mechanism: Mechanism = Field(description="`gravity` and `bodies`, or `kinetic_energy` and `potential_energy`")
-    constraints: dict[Label, Constraint] = Field(min_length=1, description="the constraints Phi(q) = 0, in order")
+    mechanism: Mechanism = Field(
+        description="`gravity` and `bodies`, or `kinetic_energy` and `potential_energy`, or a robot: `urdf`"
+    )
+    entries: dict[Label, Entry] = Field(
+        alias="constraints", min_length=1, description="the constraints Phi(q) = 0, in order"
+    )
     operating_point: OperatingPointSpec
     design: DesignSpec
     force_path: ForcePathSpec | None = Field(
@@ -80,9 +85,23 @@ class ModelSpec(Section):
     bounds: Bounds = Bounds()
     drawing: Drawing | None = None
 
+    @model_validator(mode="before")
+    @classmethod
+    def _joints_are_coordinates(cls, data: Any, info: ValidationInfo) -> Any:  # noqa: ANN401  # whatever the file holds
+        joints = declared(info).joints
+        if joints is None or not isinstance(data, dict):
+            return data
+        if "coordinates" in data:
+            refuse(Problem("the robot's joints are the coordinates; leave this out", path=("coordinates",), at_key=True))
+        return {**data, "coordinates": dict(joints)}
+
     @model_validator(mode="after")
     def _fewer_constraints_than_coordinates(self) -> ModelSpec:
-        n, m = len(self.coordinates), len(self.constraints)
+        n, m = self.n, self.m
+        names = [row for entry, each in self.entries.items() for row in each.rows(entry)]
+        twice = sorted({each for each in names if names.count(each) > 1})
+        if twice:
+            refuse(Problem(f"two constraints have the row `{twice[0]}`; rename one", path=("constraints",)))
         if m >= n:
             message = f"{m} constraints on {n} coordinates leave nothing to move; there must be fewer"
             refuse(Problem(message, path=("constraints",)))
@@ -167,11 +186,24 @@ class ModelSpec(Section):
 
     def _names_in_constraints(self) -> frozenset[str]:
         """Collect the names that the constraints use, themselves or through definitions."""
-        names = frozenset[str]().union(*(each.expression.names for each in self.constraints.values()))
+        names = frozenset[str]().union(*(each.names for each in expressions_in(self.entries)))
         for name, each in reversed(self.definitions.items()):  # a definition uses those above it
             if name in names:
                 names |= each.names
         return names
+
+    @property
+    def constraints(self) -> dict[str, Constraint | RowOfFrames]:
+        """The rows of Phi, in order."""
+        return {name: row for entry, each in self.entries.items() for name, row in each.rows(entry).items()}
+
+    def all_two_sided(self) -> ModelSpec:
+        """Let every contact pull as well as push."""
+        entries = {
+            name: each.model_copy(update={"one_sided": False}) if hasattr(each, "one_sided") else each
+            for name, each in self.entries.items()
+        }
+        return self.model_copy(update={"entries": entries})
 
     @property
     def n(self) -> int:

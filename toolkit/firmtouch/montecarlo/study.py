@@ -135,6 +135,5 @@ def _bilateral(loop: ClosedLoop) -> ClosedLoop:
     spec = op.plant.spec
     if not any(each.one_sided for each in spec.constraints.values()):
         return loop
-    constraints = {name: each.model_copy(update={"one_sided": False}) for name, each in spec.constraints.items()}
-    plant = replace(op.plant, spec=spec.model_copy(update={"constraints": constraints}))
+    plant = replace(op.plant, spec=spec.all_two_sided())
     return replace(loop, operating_point=replace(op, plant=plant))

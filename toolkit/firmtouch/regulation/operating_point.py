@@ -100,6 +100,14 @@ class DependentConstraintsError(NoDesignError):
         super().__init__(f"the constraints are redundant at q_d (J has rank {rank}): {'; '.join(dependencies)}")
 
 
+class OutsideLimitsError(NoDesignError):
+    """q_d lies outside of joint limits; `joints` says which ones, and by how much."""
+
+    def __init__(self, joints: tuple[str, ...]) -> None:
+        self.joints = joints
+        super().__init__(f"q_d lies outside of joint limits: {'; '.join(joints)}")
+
+
 def find_operating_point(plant: Plant) -> OperatingPoint:
     """Find (q_d, lambda_d) as the file asks for it.
 
@@ -107,6 +115,8 @@ def find_operating_point(plant: Plant) -> OperatingPoint:
     ------
     OffSurfaceError
         If the constraints cannot be met, or a stated q_d misses them.
+    OutsideLimitsError
+        If q_d is not where the joints can be.
     DependentConstraintsError
         If J(q_d) has not full row rank.
     ForceOutOfRangeError
@@ -114,6 +124,9 @@ def find_operating_point(plant: Plant) -> OperatingPoint:
     """
     spec = plant.spec.operating_point
     q_d = locate(plant)
+    outside = outside_limits(plant, q_d.q)
+    if outside:
+        raise OutsideLimitsError(outside)
     J = plant.J(q_d.q)
     rank, dependencies = row_dependencies(plant, J)
     if dependencies:
@@ -209,6 +222,15 @@ def constraint_force_of(plant: Plant, J: Array) -> tuple[float, Array, Array]:
     outside = f_d - J.T @ lambda_d
     size = float(np.linalg.norm(f_d))
     return (float(np.linalg.norm(outside)) / size if size else 0.0), frozen(outside), frozen(lambda_d)
+
+
+def outside_limits(plant: Plant, q: Array) -> tuple[str, ...]:
+    """Say which joints are outside of their limits."""
+    found = []
+    for value, (name, each) in zip(q.tolist(), plant.spec.coordinates.items(), strict=True):
+        if not each.lower <= value <= each.upper:
+            found.append(f"`{name}` at {value:.4g} {each.unit}, and its limits are {each.lower:.4g} to {each.upper:.4g}")
+    return tuple(found)
 
 
 def row_dependencies(plant: Plant, J: Array) -> tuple[int, tuple[str, ...]]:

@@ -57,7 +57,7 @@ def _bounded(quantity: Quantity, raw: object) -> Quantity:
 
 
 def _any_quantity(raw: object, info: ValidationInfo) -> Quantity:  # noqa: ARG001  # the signature is pydantic's
-    return read_quantity(raw)
+    return raw if isinstance(raw, Quantity) else read_quantity(raw)
 
 
 QUANTITY_SCHEMA: Final[dict[str, Any]] = {

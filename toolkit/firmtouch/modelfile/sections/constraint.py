@@ -1,13 +1,15 @@
-"""`constraints`: the holonomic constraints Phi(q) = 0, Eq. (1)."""
+"""`constraints`: the holonomic constraints Phi(q) = 0, Eq. (1), each an expression or on frames of a robot."""
 
 from __future__ import annotations
 
 from typing import Annotated
 
-from pydantic import Field, StrictBool, ValidationInfo, model_validator
+from pydantic import Discriminator, Field, StrictBool, Tag, ValidationInfo, model_validator
 
 from firmtouch.modelfile.expression import Problem
 from firmtouch.modelfile.fields import Expression, Text, UnitText, declared, expression_in, refuse
+from firmtouch.modelfile.rows import sort_of
+from firmtouch.modelfile.sections.frames import Join, RailContact, Rod, SurfaceContact
 from firmtouch.modelfile.sections.section import Section
 from firmtouch.modelfile.sections.variables import expect_si
 from firmtouch.modelfile.units import parse_unit
@@ -33,3 +35,23 @@ class Constraint(Section):
         if not self.expression.names & {*known.coordinates, *known.definitions}:
             refuse(Problem("a constraint in which no coordinate stands", path=("expression",)))
         return self
+
+    @property
+    def written(self) -> str:
+        """What the file says of it."""
+        return self.expression.text
+
+    def rows(self, name: str) -> dict[str, Constraint]:
+        """Give the one row of this entry."""
+        return {name: self}
+
+
+Entry = Annotated[
+    Annotated[Constraint, Tag("expression")]
+    | Annotated[SurfaceContact, Tag("surface")]
+    | Annotated[RailContact, Tag("rail")]
+    | Annotated[Rod, Tag("distance")]
+    | Annotated[Join, Tag("join")],
+    Discriminator(sort_of),
+]
+"""One entry of `constraints`, which is one row of Phi or several."""

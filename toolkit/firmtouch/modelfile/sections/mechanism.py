@@ -1,4 +1,4 @@
-"""`mechanism`: rigid bodies, or the two energies."""
+"""`mechanism`: rigid bodies, the two energies, or a robot."""
 
 from __future__ import annotations
 
@@ -20,6 +20,7 @@ from firmtouch.modelfile.fields import (
     refuse,
     under,
 )
+from firmtouch.modelfile.sections.robot import ChainMechanism, UrdfMechanism
 from firmtouch.modelfile.sections.section import Section
 
 PLANE_OR_SPACE: Final = (2, 3)
@@ -147,8 +148,23 @@ class Energies(Section):
     potential_energy: Annotated[Expression, expression_in("J")] = Field(description="P(q)")
 
 
+_TELLING: Final = {
+    "kinetic_energy": "energies",
+    "potential_energy": "energies",
+    "urdf": "urdf",
+    "planar_chain": "planar_chain",
+}
+
+
 def _which(raw: object) -> str:
-    return "energies" if isinstance(raw, dict) and {"kinetic_energy", "potential_energy"} & raw.keys() else "bodies"
+    keys = raw if isinstance(raw, dict) else ()
+    return next((sort for key, sort in _TELLING.items() if key in keys), "bodies")
 
 
-Mechanism = Annotated[Annotated[Bodies, Tag("bodies")] | Annotated[Energies, Tag("energies")], Discriminator(_which)]
+Mechanism = Annotated[
+    Annotated[Bodies, Tag("bodies")]
+    | Annotated[Energies, Tag("energies")]
+    | Annotated[UrdfMechanism, Tag("urdf")]
+    | Annotated[ChainMechanism, Tag("planar_chain")],
+    Discriminator(_which),
+]

@@ -18,7 +18,13 @@ def _configuration(raw: object, info: ValidationInfo) -> dict[str, float]:
 
 
 def _multipliers(raw: object, info: ValidationInfo) -> dict[str, float]:
-    return read_quantities(raw, declared(info).multipliers, "constraint")
+    """Read all multipliers; rows that come with others count as zero where they are not given."""
+    known = declared(info)
+    kinds = known.multipliers
+    if isinstance(raw, dict):
+        kinds = {name: kind for name, kind in kinds.items() if name in raw or name not in known.optional}
+    values = read_quantities(raw, kinds, "constraint")
+    return {name: values.get(name, 0.0) for name in known.multipliers}
 
 
 def _joint_forces(raw: object, info: ValidationInfo) -> dict[str, float]:

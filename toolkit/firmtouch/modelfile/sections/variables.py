@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
+
 from pydantic import Field, model_validator
 
 from firmtouch.modelfile.expression import Problem
 from firmtouch.modelfile.fields import AnyQuantity, Text, UnitText, expect_dimension, refuse, under
 from firmtouch.modelfile.sections.section import ShortSection
-from firmtouch.modelfile.units import JOULE, parse_unit
+from firmtouch.modelfile.units import JOULE, SECOND, parse_unit
 
 
 class Parameter(ShortSection):
@@ -48,6 +50,10 @@ class Coordinate(ShortSection):
     effort: AnyQuantity | None = Field(
         None, description="the greatest force of its drive: in N m for an angle, in N for a length; without it, any"
     )
+    limits: tuple[AnyQuantity, AnyQuantity] | None = Field(
+        None, description="least and greatest position, such as `[-120 deg, 120 deg]`; without them, any"
+    )
+    velocity: AnyQuantity | None = Field(None, description="the greatest speed, such as `2 rad/s`; without it, any")
     label: Text | None = Field(None, description="what it is, in words")
 
     @model_validator(mode="after")
@@ -63,6 +69,31 @@ class Coordinate(ShortSection):
             if not self.effort.value > 0:
                 refuse(Problem("a drive without any force; it must be positive", path=("effort",)))
         return self
+
+    @model_validator(mode="after")
+    def _limits_are_positions(self) -> Coordinate:
+        unit = parse_unit(self.unit).dimension
+        for i, end in enumerate(self.limits or ()):
+            with under("limits", i):
+                expect_dimension(end, unit)
+        if self.limits is not None and not self.limits[0].value < self.limits[1].value:
+            refuse(Problem("the lower limit must be below the upper one", path=("limits",)))
+        if self.velocity is not None:
+            with under("velocity"):
+                expect_dimension(self.velocity, unit / SECOND)
+            if not self.velocity.value > 0:
+                refuse(Problem("a joint without any speed; it must be positive", path=("velocity",)))
+        return self
+
+    @property
+    def lower(self) -> float:
+        """The least position, or -inf."""
+        return self.limits[0].value if self.limits else -math.inf
+
+    @property
+    def upper(self) -> float:
+        """The greatest position, or inf."""
+        return self.limits[1].value if self.limits else math.inf
 
 
 def expect_si(unit: str) -> None:

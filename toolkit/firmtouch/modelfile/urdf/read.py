@@ -6,7 +6,7 @@ import math
 from pathlib import Path
 from typing import Final
 
-from firmtouch.modelfile.read import read_bytes
+from firmtouch.modelfile.files import read_bytes
 from firmtouch.modelfile.urdf.attributes import LARGEST_SIZE, Attributes
 from firmtouch.modelfile.urdf.inertial import read_inertial, read_pose
 from firmtouch.modelfile.urdf.robot import UNLIMITED, JointType, Limits, Link, Mimic, UrdfJoint, UrdfRobot

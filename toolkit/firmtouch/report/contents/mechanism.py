@@ -53,7 +53,7 @@ def _coordinates(design: Design) -> Table:
         (
             (Math(f"phi_({_text(name)})"),),
             (unit(each.unit),),
-            (each.label or "", " " if each.label else "", Code(each.expression.text)),
+            (each.label or "", " " if each.label else "", Code(each.written)),
         )
         for name, each in spec.constraints.items()
     ]

@@ -1,0 +1,88 @@
+"""A robot of a specification as its tree, with the payload, and its frames as CasADi expressions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from firmtouch.mechanics.arrays import frozen
+from firmtouch.mechanics.rigid_bodies import elementary_rotation
+from firmtouch.mechanics.symbols import Symbols
+from firmtouch.mechanics.tree import KinematicTree, Placement, frame_pose, grow_tree, loaded, placement
+from firmtouch.mechanics.tree.dynamics import Inertias
+from firmtouch.mechanics.tree.kinematics import Pose
+from firmtouch.modelfile import ModelSpec
+from firmtouch.modelfile.sections.pose import FrameSpec, PoseSpec
+from firmtouch.modelfile.sections.robot import ChainMechanism, PayloadSpec, Robot, UrdfMechanism
+
+
+@dataclass(frozen=True, slots=True)
+class Arm:
+    """A tree with the inertias of its bodies, in which parameters may stand, and the names of its specification."""
+
+    tree: KinematicTree
+    inertias: Inertias
+    symbols: Symbols
+
+    def pose(self, frame: FrameSpec) -> Pose:
+        """Place a frame, or what stands off from it, in the world at q."""
+        p, R = frame_pose(self.tree, frame.frame, self.symbols.q)
+        return Pose(R, p) @ offset(frame, self.symbols)
+
+
+def arm_of(spec: ModelSpec, symbols: Symbols) -> Arm | None:
+    """Build the tree of a specification's robot; None where its mechanism is none.
+
+    Raises
+    ------
+    InputError
+        If the robot cannot be built as asked; a `ModelFileError` where its file is to blame.
+    """
+    mechanism = spec.mechanism
+    if not isinstance(mechanism, Robot):
+        return None
+    tree = tree_of(mechanism, symbols)
+    payload = mechanism.payload if isinstance(mechanism, UrdfMechanism) else None
+    if payload is None:
+        return Arm(tree, [each.inertia.symbolic() for each in tree.joints], symbols)
+    return Arm(tree, _with_payload(tree, payload, mechanism.tools(), symbols), symbols)
+
+
+def tree_of(mechanism: Robot, symbols: Symbols) -> KinematicTree:
+    """Build a robot's tree, without what it carries."""
+    if isinstance(mechanism, ChainMechanism):
+        from firmtouch.mechanics.tree.chain import planar_chain
+
+        chain = mechanism.planar_chain
+        return planar_chain(chain.n, length=chain.length, mass=chain.mass, gravity=chain.gravity)
+    assert isinstance(mechanism, UrdfMechanism)
+    return grow_tree(mechanism.moving(), _in_numbers(mechanism.base, symbols), mechanism.gravity)
+
+
+def offset(pose: PoseSpec, symbols: Symbols) -> Pose:
+    """Give the pose that a file describes, of parameters alone."""
+    R = ca.SX.eye(3)
+    for axis, angle in pose.orientation:
+        R @= elementary_rotation(axis, symbols.scalar(angle))
+    return Pose(R, ca.SX(3, 1) if pose.position is None else symbols.column(pose.position))
+
+
+def _with_payload(tree: KinematicTree, payload: PayloadSpec, tools: tuple[str, ...], symbols: Symbols) -> Inertias:
+    moments = payload.inertia or ()
+    return loaded(
+        tree,
+        payload.frame or tools[0],
+        mass=symbols.scalar(payload.mass),
+        centre_of_mass=ca.SX(3, 1) if payload.centre_of_mass is None else symbols.column(payload.centre_of_mass),
+        inertia=ca.diag(ca.vertcat(*(symbols.scalar(each) for each in moments))) if moments else ca.SX(3, 3),
+    )
+
+
+def _in_numbers(base: PoseSpec | None, symbols: Symbols) -> Placement:
+    if base is None:
+        return placement()
+    pose = offset(base, symbols)
+    R, p = (np.asarray(ca.evalf(each).full()) for each in (pose.R, pose.p))
+    return Placement(frozen(R), frozen(p.ravel()))

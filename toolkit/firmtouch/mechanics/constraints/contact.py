@@ -1,0 +1,25 @@
+"""A point of a robot on a surface, and an axis of its frame along the normal."""
+
+from __future__ import annotations
+
+import casadi as ca
+
+from firmtouch.mechanics.arm import Arm
+from firmtouch.mechanics.surfaces import normal, signed_distance
+from firmtouch.modelfile.sections.frames import SurfaceContact
+
+
+def contact_rows(entry: SurfaceContact, arm: Arm) -> list[ca.SX]:
+    """Give s(x), and with an aligned axis a, of which e1, e2, a are right-handed, -e2 . n and e1 . n.
+
+    s is the distance from the surface (m), so that its multiplier is the normal force (N), outwards. Where a points into
+    the surface, the others' multipliers are moments (N m) about e1 and e2: a small turn w changes them by w . e1, w . e2.
+    """
+    assert entry.point is not None
+    pose = arm.pose(entry.point)
+    rows = [signed_distance(entry.surface, pose.p, arm.symbols)]
+    if entry.align is not None:
+        n = normal(entry.surface, pose.p, arm.symbols)
+        first, second = (pose.R[:, "xyz".index(each)] for each in entry.other_axes)
+        rows += [-ca.dot(second, n), ca.dot(first, n)]
+    return rows

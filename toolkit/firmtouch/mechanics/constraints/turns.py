@@ -1,0 +1,20 @@
+"""How far a frame is turned against another, as rows that a small turn w changes by its components."""
+
+from __future__ import annotations
+
+import casadi as ca
+
+
+def axis_turns(R: ca.SX) -> list[ca.SX]:
+    """Give -R_23 and R_13: the turns about x and y, zero where the z axes coincide (or oppose)."""
+    return [-R[1, 2], R[0, 2]]
+
+
+def all_turns(R: ca.SX) -> list[ca.SX]:
+    """Give the vector of (R - R^T) / 2, sin(angle) times the axis: zero at no turn (or at half a turn)."""
+    return [(R[2, 1] - R[1, 2]) / 2, (R[0, 2] - R[2, 0]) / 2, (R[1, 0] - R[0, 1]) / 2]
+
+
+def turns(R: ca.SX, hold: str) -> list[ca.SX]:
+    """Give the rows for what is held: `point`, `axis` or `frame`."""
+    return {"point": list, "axis": lambda: axis_turns(R), "frame": lambda: all_turns(R)}[hold]()

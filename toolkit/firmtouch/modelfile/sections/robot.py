@@ -1,0 +1,245 @@
+"""`mechanism` as a robot: a URDF file, or a chain of equal links in the plane. Its joints are the coordinates."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from typing import Annotated, Any, Final
+
+from pydantic import Field, StrictInt, ValidationInfo, model_validator
+
+from firmtouch.errors import InputError, ModelFileError
+from firmtouch.modelfile.declarations import MOST_COORDINATES
+from firmtouch.modelfile.expression import Problem
+from firmtouch.modelfile.fields import (
+    QUANTITY_SCHEMA,
+    AnyQuantity,
+    Checked,
+    Expression,
+    Quantity,
+    Text,
+    declared,
+    expect_dimension,
+    quantity_in,
+    read_all,
+    read_quantity,
+    refuse,
+    under,
+)
+from firmtouch.modelfile.fields.constant import constant_in, vector_in
+from firmtouch.modelfile.fields.names import RESERVED
+from firmtouch.modelfile.sections.pose import LONGEST_FRAME, PoseSpec
+from firmtouch.modelfile.sections.section import Section
+from firmtouch.modelfile.sections.variables import Coordinate
+from firmtouch.modelfile.units import parse_unit
+from firmtouch.modelfile.urdf.moving import Moving, MovingJoint, locked_positions, matters, select_moving
+from firmtouch.modelfile.urdf.robot import UrdfRobot
+from firmtouch.modelfile.words import shown
+
+LONGEST_NAME: Final = 32
+EARTH: Final = (0.0, 0.0, -9.81)
+"""Gravity where z points up, m/s^2."""
+
+
+def _urdf(raw: object, info: ValidationInfo) -> UrdfRobot:
+    attached = declared(info).attached
+    if not isinstance(raw, str) or not raw.strip():
+        refuse(Problem("the path of a URDF file was expected, such as `urdf/arm.urdf`"))
+    if attached is None:
+        refuse(Problem("this file stands alone here, so no other one can be read"))
+    try:
+        return attached(raw)
+    except ModelFileError:
+        raise  # mistakes in that file, at their places there
+    except InputError as error:
+        refuse(Problem(str(error)))
+
+
+def _tools(raw: object, info: ValidationInfo) -> tuple[str, ...]:  # noqa: ARG001  # the signature is pydantic's
+    names = raw if isinstance(raw, list) else [raw]
+    if not names or not all(isinstance(each, str) and 0 < len(each) <= LONGEST_FRAME for each in names):
+        refuse(Problem("the name of a link was expected, or a list of them"))
+    return tuple(dict.fromkeys(names))
+
+
+def _locked(raw: object, info: ValidationInfo) -> dict[str, Quantity]:  # noqa: ARG001  # the signature is pydantic's
+    if not isinstance(raw, dict):
+        refuse(Problem("a position for each locked joint was expected, as in `{finger: 0.02 m}`"))
+    return read_all(raw.items(), lambda _, each: read_quantity(each, example="0.02 m"))
+
+
+def _gravity(raw: object, info: ValidationInfo) -> tuple[float, float, float]:  # noqa: ARG001
+    if not isinstance(raw, list) or len(raw) != 3:
+        refuse(Problem("three accelerations were expected, as in `[0, 0, -9.81]`"))
+    dimension = parse_unit("m/s^2").dimension
+    x, y, z = read_all(enumerate(raw), lambda _, each: expect_dimension(read_quantity(each), dimension)).values()
+    return x, y, z
+
+
+class PayloadSpec(Section):
+    """What a link of the robot carries."""
+
+    frame: Annotated[str, Checked(lambda raw, info: _tools(raw, info)[0], {"type": "string"})] | None = Field(
+        None, description="the link that carries it; without it, the tool"
+    )
+    mass: Annotated[Expression, constant_in("kg")] = Field(description="such as `1.5 kg`, or a parameter")
+    centre_of_mass: Annotated[Expression, vector_in("m")] | None = Field(
+        None, description="in the frame's axes; without it, at its origin"
+    )
+    inertia: tuple[
+        Annotated[Expression, constant_in("kg*m^2")],
+        Annotated[Expression, constant_in("kg*m^2")],
+        Annotated[Expression, constant_in("kg*m^2")],
+    ] | None = Field(None, description="moments about its centre of mass along the frame's axes; without it, a point")  # fmt: skip
+
+
+class Robot(Section):
+    """A mechanism that is a tree of joints."""
+
+    def coordinates(self) -> dict[str, Coordinate]:
+        """Give the coordinates, under names that expressions can use."""
+        raise NotImplementedError
+
+    def frames(self) -> tuple[str, ...]:
+        """Give the frames that constraints can name."""
+        raise NotImplementedError
+
+    def tools(self) -> tuple[str, ...]:
+        """Give the frames that are tools."""
+        raise NotImplementedError
+
+
+class UrdfMechanism(Robot):
+    """A robot of a URDF file."""
+
+    urdf: Annotated[UrdfRobot, Checked(_urdf, {"type": "string"})] = Field(
+        description="the file, relative to this one"
+    )
+    tool: Annotated[tuple[str, ...], Checked(_tools, {"type": ["string", "array"]})] = Field(
+        (), description="the link that touches, or a list of links; joints that do not matter for it are left out"
+    )
+    locked: Annotated[dict[str, Quantity], Checked(_locked, {"type": "object", "additionalProperties": QUANTITY_SCHEMA})] = (
+        Field({}, description="joints that do not move, each with its position")
+    )  # fmt: skip
+    base: PoseSpec | None = Field(None, description="where the robot's root link stands in the world")
+    gravity: Annotated[tuple[float, float, float], Checked(_gravity, {"type": "array"})] = Field(
+        EARTH, description="as a vector in the world; without it, 9.81 m/s^2 against z"
+    )
+    payload: PayloadSpec | None = Field(None, description="what the tool carries")
+
+    @model_validator(mode="after")
+    def _something_moves(self) -> UrdfMechanism:
+        with under("locked"):
+            self._check_locked()
+        try:
+            stopped = locked_positions(self.urdf, self.positions())
+        except InputError as error:
+            refuse(Problem(str(error), path=("locked",)))
+        try:
+            matters(self.urdf, stopped, self.tool)
+        except InputError as error:
+            refuse(Problem(str(error), path=("tool",)))
+        try:
+            moving = self.moving()
+        except InputError as error:
+            refuse(Problem(str(error)))
+        if self.base is not None and any(each.names for each in self.base.expressions()):
+            refuse(Problem("the robot's place is made of numbers alone, without parameters", path=("base",)))
+        carrier = self.payload.frame if self.payload else None
+        if carrier is not None and carrier not in moving.links:
+            refuse(Problem(f"the robot carries no link {shown(carrier)}", path=("payload", "frame")))
+        if self.payload is not None and carrier is None and len(self.tool) != 1:
+            refuse(Problem("which link carries it? Give its `frame`", path=("payload",)))
+        return self
+
+    def _check_locked(self) -> None:
+        for name, position in self.locked.items():
+            joint = self.urdf.joints.get(name)
+            if joint is not None:
+                with under(name):
+                    expect_dimension(position, parse_unit("m" if joint.type.value == "prismatic" else "rad").dimension)
+
+    def positions(self) -> dict[str, float]:
+        """Give the locked joints' positions."""
+        return {name: each.value for name, each in self.locked.items()}
+
+    def moving(self) -> Moving:
+        """Select the joints that move."""
+        return select_moving(self.urdf, tools=self.tool, locked=self.positions())
+
+    def coordinates(self) -> dict[str, Coordinate]:
+        """Give the independent joints that move."""
+        names: dict[str, Coordinate] = {}
+        for each in self.moving().coordinates():
+            names[_usable(each.name, names)] = _coordinate(each)
+        return names
+
+    def frames(self) -> tuple[str, ...]:
+        """Give the links that stand still or that the moving joints carry."""
+        return self.moving().links
+
+    def tools(self) -> tuple[str, ...]:
+        """Give the tools, as named."""
+        return self.tool
+
+
+def _usable(name: str, taken: Mapping[str, Any]) -> str:
+    """Make a joint's name one that expressions can use: letters, digits and `_`, 32 at most, not taken."""
+    usable = re.sub(r"[^A-Za-z0-9_]", "_", name)
+    usable = usable if re.match("[A-Za-z]", usable) and usable not in RESERVED else f"q_{usable}"
+    usable, count = usable[:LONGEST_NAME], 1
+    while usable in taken:
+        count += 1
+        usable = f"{usable[: LONGEST_NAME - 4]}_{count}"
+    return usable
+
+
+def _coordinate(joint: MovingJoint) -> Coordinate:
+    """Give a joint's unit and bounds; a zero says that the file knows none."""
+    unit, effort = ("rad", "N*m") if joint.revolves else ("m", "N")
+
+    def quantity(value: float, unit_text: str) -> AnyQuantity:
+        unit = parse_unit(unit_text)
+        return Quantity(f"{value:g} {unit_text}", value, unit.dimension, bare=False)
+
+    def bound(value: float, unit_text: str) -> AnyQuantity | None:
+        return quantity(value, unit_text) if 0 < value < math.inf else None
+
+    limited = math.isfinite(joint.lower) and math.isfinite(joint.upper)
+    return Coordinate(
+        unit=unit,
+        effort=bound(joint.effort, effort),
+        limits=(quantity(joint.lower, unit), quantity(joint.upper, unit)) if limited else None,
+        velocity=bound(joint.velocity, f"{unit}/s"),
+        label=None,
+    )
+
+
+class ChainSpec(Section):
+    """n equal uniform rods in the x-y plane, hinged about z one to the next, hanging from the origin."""
+
+    n: Annotated[StrictInt, Field(ge=1, le=MOST_COORDINATES)] = Field(description="the number of links")
+    length: Annotated[float, quantity_in("m", least=1e-9)] = Field(description="of one link")
+    mass: Annotated[float, quantity_in("kg", least=1e-9)] = Field(description="of one link")
+    gravity: Annotated[float, quantity_in("m/s^2")] = Field(9.81, description="against y")
+
+
+class ChainMechanism(Robot):
+    """A chain of equal links in the plane, for studies of scale; its frames are `base`, `link1` to `linkn`, `tip`."""
+
+    planar_chain: ChainSpec
+
+    def coordinates(self) -> dict[str, Coordinate]:
+        """Give q1 to qn."""
+        return {f"q{i + 1}": Coordinate(unit="rad") for i in range(self.planar_chain.n)}
+
+    def frames(self) -> tuple[str, ...]:
+        """Give the links and the tip."""
+        return ("base", *(f"link{i + 1}" for i in range(self.planar_chain.n)), "tip")
+
+    def tools(self) -> tuple[str, ...]:
+        """Give the tip."""
+        return ("tip",)
+
+

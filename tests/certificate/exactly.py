@@ -82,6 +82,7 @@ OPERATIONS = {
     ca.OP_TANH: mp.tanh,
     ca.OP_FABS: lambda x: _sign(x) * x,
     ca.OP_SIGN: _sign,
+    ca.OP_LT: lambda x, y: mp.mpf(x < y),
 }
 DIGITAL = Arithmetic(mp.mpf, {code: _real(each) for code, each in OPERATIONS.items()})
 """CasADi's operations in mpmath, at the digits of the moment."""

@@ -18,7 +18,7 @@ UNARY = (
     "ASSIGN", "INV", "NEG", "SQ", "TWICE", "SQRT", "EXP", "LOG", "SIN", "COS", "TAN", "ASIN", "ACOS", "ATAN",
     "SINH", "COSH", "TANH", "FABS", "SIGN",
 )  # fmt: skip
-BINARY = ("ADD", "SUB", "MUL", "DIV", "POW", "CONSTPOW", "ATAN2")
+BINARY = ("ADD", "SUB", "MUL", "DIV", "POW", "CONSTPOW", "ATAN2", "LT")
 WIDER = 1.05  # a function that bends is bounded from the middle of its ball, and the tangent's bound is a rough one
 
 centres = st.one_of(st.floats(-3, 3), st.sampled_from([0.0, 1.0, -1.0, 0.5, math.pi, math.pi / 2]))

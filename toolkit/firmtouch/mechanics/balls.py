@@ -17,6 +17,8 @@ Ball = Any
 """A python-flint `arb`."""
 
 NO_NUMBER: Final = arb.nan()
+UNDECIDED: Final = arb(0.5, 0.5)
+"""[0, 1]: a comparison, 0 or 1, whose answer differs within a ball."""
 
 
 def _square(x: Ball) -> Ball:
@@ -50,6 +52,18 @@ def _sign(x: Ball) -> Ball:
     return arb(1) if x > 0 else arb(-1) if x < 0 else NO_NUMBER
 
 
+def is_less(x: Ball, y: Ball) -> Ball:
+    """Give x < y as 0 or 1, or [0, 1] where it is undecided.
+
+    No expression of a file can compare, nor does CasADi by itself. Only surfaces do (`surfaces/spline.py`,
+    `superellipsoid.py`), and there each comparison is a factor of t^k, k >= 3, which it switches at t = 0: what is
+    switched is C^2, and its derivatives k t^(k-1), k (k-1) t^(k-2), ... have the same factor. So [0, 1] encloses the
+    value and the first two derivatives, the more tightly the smaller t is, and of the third both values between which
+    it jumps.
+    """
+    return arb(1) if x < y else arb(0) if x >= y else UNDECIDED
+
+
 BALLS: Final = Arithmetic(
     arb,
     {
@@ -72,6 +86,7 @@ BALLS: Final = Arithmetic(
         ca.OP_TANH: arb.tanh,
         ca.OP_FABS: lambda x: _sign(x) * x,
         ca.OP_SIGN: _sign,
+        ca.OP_LT: is_less,
     },
 )
 """Scalar operations on balls."""

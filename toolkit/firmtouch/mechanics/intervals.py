@@ -16,7 +16,8 @@ from firmtouch.mechanics.tape import OPERATORS, Arithmetic, UnknownOperationErro
 def has_kinks(function: ca.Function) -> bool:
     """Tell whether a function might have a kink or a jump that its derivatives do not show."""
     return any(
-        function.instruction_id(k) in (ca.OP_FABS, ca.OP_SIGN, ca.OP_ATAN2) for k in range(function.n_instructions())
+        function.instruction_id(k) in (ca.OP_FABS, ca.OP_SIGN, ca.OP_ATAN2, ca.OP_LT)
+        for k in range(function.n_instructions())
     )
 
 
@@ -61,6 +62,11 @@ def _interval_operations() -> dict[int, Callable[..., Any]]:
             raise ValueError("an absolute value has a kink")
         return iv.mpf(1 if x.a > 0 else -1)
 
+    def is_less(x: Any, y: Any) -> Any:  # noqa: ANN401
+        if x.a < y.b and y.a <= x.b:  # the parameter moves the knot of a spline, of which it is then no polynomial
+            raise ValueError("a spline has a knot there")
+        return iv.mpf(1 if x.b < y.a else 0)
+
     def cathetus(x: Any) -> Any:  # noqa: ANN401
         return iv.sqrt(1 - x**2)
 
@@ -84,4 +90,5 @@ def _interval_operations() -> dict[int, Callable[..., Any]]:
         ca.OP_TANH: lambda x: 1 - 2 / (iv.exp(2 * x) + 1),
         ca.OP_FABS: lambda x: sign(x) * x,
         ca.OP_SIGN: sign,
+        ca.OP_LT: is_less,
     }

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Any, Final
 
 import casadi as ca
@@ -17,6 +19,7 @@ FUNCTIONS: Final = {
     "atan": ca.atan,
     "atan2": ca.atan2,
 }
+NOTHING: Final[Mapping[str, ca.SX]] = MappingProxyType({})
 
 
 class Symbols:
@@ -33,11 +36,11 @@ class Symbols:
         for name, expression in spec.definitions.items():
             self._names[name] = self.read(expression)
 
-    def read(self, expression: Expression) -> Any:  # noqa: ANN401  # an SX scalar, or a tuple of them
-        """Read an expression: an SX scalar, or a tuple of them for a vector."""
+    def read(self, expression: Expression, names: Mapping[str, ca.SX] = NOTHING) -> Any:  # noqa: ANN401
+        """Read an expression: an SX scalar, or a tuple of them for a vector; `names` are further names in it."""
         return evaluate(
             expression.tree,
-            names=self._names,
+            names={**self._names, **names} if names else self._names,
             rates=self._rates,
             number=lambda text: ca.SX(float(text)),
             functions=FUNCTIONS,

@@ -18,7 +18,7 @@ import casadi as ca
 from flint import arb, arb_mat
 
 from firmtouch.certificate.matrices import BallMatrix
-from firmtouch.mechanics.balls import NO_NUMBER, Ball
+from firmtouch.mechanics.balls import NO_NUMBER, Ball, is_less
 from firmtouch.mechanics.tape import Arithmetic
 
 LARGEST_EXPONENT: Final = 64
@@ -169,6 +169,10 @@ def _sign(x: Expansion) -> Expansion:
     return constant(1 if x.ball > 0 else -1 if x.ball < 0 else NO_NUMBER)
 
 
+def _is_less(x: Expansion, y: Expansion) -> Expansion:
+    return constant(is_less(x.ball, y.ball))
+
+
 def _tan(x: Expansion) -> Expansion:
     return _divide(_sin(x), _cos(x))
 
@@ -210,6 +214,7 @@ EXPANSIONS: Final = Arithmetic(
         ca.OP_TANH: lambda x: _divide(_sinh(x), _cosh(x)),
         ca.OP_FABS: lambda x: _multiply(_sign(x), x),
         ca.OP_SIGN: _sign,
+        ca.OP_LT: _is_less,
     },
 )
 """Scalar operations on expansions, those of `BALLS`."""

@@ -51,7 +51,10 @@ class Cost:
 
 
 def descend(at: Evaluation, start: Array, bounds: Bounds) -> Descent:
-    """Go down |r|^2 within bounds by a trust region, and end by Newton's method."""
+    """Go down |r|^2 within bounds by a trust region, and end by Newton's method.
+
+    A start where r is not defined ends where it is, with an infinite residual.
+    """
     from scipy.optimize import OptimizeResult, least_squares
 
     def stop_where_close(intermediate_result: OptimizeResult) -> None:
@@ -59,6 +62,9 @@ def descend(at: Evaluation, start: Array, bounds: Bounds) -> Descent:
             raise StopIteration
 
     start = np.clip(start, *bounds)
+    r = at.r(start)
+    if not (np.all(np.isfinite(r)) and np.all(np.isfinite(at.J(start)))):
+        return Descent(start, np.full(len(r), np.inf))
     result = least_squares(
         at.r, start, jac=at.J, bounds=bounds, method="trf", max_nfev=MOST_STEPS, callback=stop_where_close
     )

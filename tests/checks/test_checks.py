@@ -12,7 +12,7 @@ from firmtouch.checks.subject import make_subject
 from firmtouch.mechanics.symbolic import derive_symbolically
 
 NAMES = {
-    "Phi(q_d) = 0", "rank of J", "f_d in range J^T", "M symmetric", "M positive definite", "K homogeneous", "passivity",
+    "Phi(q_d) = 0", "rank of J", "f_d in range J^T", "joint limits", "drives hold q_d", "M symmetric", "M positive definite", "K homogeneous", "passivity",
     "rotations orthonormal", "Hessians symmetric", "Hessians exact", "energy kept", "lambda-Hessian", "two derivations",
 }  # fmt: skip
 

@@ -3,12 +3,11 @@
 import math
 import re
 
+import casadi as ca
 import numpy as np
 import pytest
 
 from firmtouch.errors import InputError, ModelFileError
-import casadi as ca
-
 from firmtouch.mechanics.tree import build_tree, loaded, placement
 
 ROUNDING = 1e-13  # some hundred operations on numbers around one

@@ -59,7 +59,7 @@ def hessians_by_differences(subject: Subject) -> CheckResult:
 
 
 def derivations_agree(subject: Subject, symbolic: SymbolicPlant | None) -> CheckResult:
-    """Two derivations agree at random states: CasADi's and SymPy's (`None` where it was not asked), or a robot's two."""
+    """Two derivations agree at random states: CasADi's and SymPy's (`None`: not asked), or a robot's two."""
     if isinstance(subject.plant.spec.mechanism, Robot):
         return _recursion_agrees(subject)
     if symbolic is None:

@@ -9,8 +9,9 @@ import numpy as np
 
 from firmtouch.checks import contact, curvature, derivatives, inertia, limits, motion
 from firmtouch.checks.result import CheckReport, CheckResult
-from firmtouch.checks.subject import Subject, make_subject
+from firmtouch.checks.subject import Subject, make_subject, subject_at
 from firmtouch.modelfile import ModelFile
+from firmtouch.regulation import OperatingPoint
 
 if TYPE_CHECKING:
     from firmtouch.mechanics.symbolic import SymbolicPlant
@@ -34,8 +35,8 @@ CHECKS: Final[tuple[Callable[[Subject], CheckResult], ...]] = (
 """The checks that need numbers alone; the comparison with SymPy comes last."""
 
 
-def check_model(model: ModelFile) -> tuple[CheckReport, SymbolicPlant | None]:
-    """Run every check on a model; a check that fails stops no other.
+def check_model(model: ModelFile, *, at: OperatingPoint | None = None) -> tuple[CheckReport, SymbolicPlant | None]:
+    """Run every check on a model, at its operating point if that was found; a check that fails stops no other.
 
     The SymPy derivation that was made for the comparison is given too (`None` if the model is too large for it).
     """
@@ -43,7 +44,7 @@ def check_model(model: ModelFile) -> tuple[CheckReport, SymbolicPlant | None]:
 
     # Overflow and 0/0 are no news to the user's terminal: the checks report what is not finite.
     with np.errstate(all="ignore"):
-        subject = make_subject(model.spec)
+        subject = make_subject(model.spec) if at is None else subject_at(at)
         results = [check(subject) for check in CHECKS]
         symbolic = derive_symbolically(model.spec) if derivatives.worth_comparing(subject) else None
         results.append(derivatives.derivations_agree(subject, symbolic))

@@ -12,7 +12,13 @@ from firmtouch.errors import NoDesignError
 from firmtouch.mechanics import Array, Plant, derive_plant
 from firmtouch.mechanics.arrays import frozen
 from firmtouch.modelfile import ModelSpec
-from firmtouch.regulation.operating_point import OffSurfaceError, Projection, constraint_force_of, locate
+from firmtouch.regulation.operating_point import (
+    OffSurfaceError,
+    OperatingPoint,
+    Projection,
+    constraint_force_of,
+    locate,
+)
 
 SEED: Final = 19930201
 """Any fixed number would do: the same model shall give the same figures on every machine."""
@@ -40,6 +46,11 @@ class Subject:
         for i in range(count):
             away = rng.uniform(-REACH, REACH, self.plant.n) * (i > 0)
             yield frozen(self.q_d + away), frozen(rng.uniform(-1, 1, self.plant.n))
+
+
+def subject_at(op: OperatingPoint) -> Subject:
+    """Check the model of an operating point that was found already."""
+    return Subject(op.plant, Projection(op.q_d, op.residual, op.moved, op.reached), op.lambda_d, None)
 
 
 def make_subject(spec: ModelSpec) -> Subject:

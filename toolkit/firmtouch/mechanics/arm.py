@@ -70,13 +70,13 @@ def offset(pose: PoseSpec, symbols: Symbols) -> Pose:
 
 
 def _with_payload(tree: KinematicTree, payload: PayloadSpec, tools: tuple[str, ...], symbols: Symbols) -> Inertias:
-    moments = payload.inertia or ()
+    moments = payload.inertia
     return loaded(
         tree,
         payload.frame or tools[0],
         mass=symbols.scalar(payload.mass),
         centre_of_mass=ca.SX(3, 1) if payload.centre_of_mass is None else symbols.column(payload.centre_of_mass),
-        inertia=ca.diag(ca.vertcat(*(symbols.scalar(each) for each in moments))) if moments else ca.SX(3, 3),
+        inertia=ca.SX(3, 3) if moments is None else ca.diag(symbols.column(moments)),
     )
 
 

@@ -33,6 +33,19 @@ class Round:
 
 
 @dataclass(frozen=True, slots=True)
+class Patch:
+    """A part of a surface in space: a grid of points (k x k x 3; nan where it ends) around a contact.
+
+    `normal` (3) is there, away from the solid, and `tangent` (4 x 3) are the corners of a square in the tangent plane.
+    """
+
+    points: Array
+    contact: Array
+    normal: Array
+    tangent: Array
+
+
+@dataclass(frozen=True, slots=True)
 class ContactForce:
     """The force F on the mechanism at a point: J_p^T F is the constraint's share of J^T lambda_d.
 
@@ -61,6 +74,7 @@ class Scene:
     walls: tuple[Wall, ...] = ()
     rounds: tuple[Round, ...] = ()
     forces: tuple[ContactForce, ...] = ()
+    patches: tuple[Patch, ...] = ()
 
 
 def draw_scene(plant: Plant, q: Array, lambda_d: Array, ghosts: Sequence[Array] = ()) -> Scene | None:
@@ -146,14 +160,22 @@ def _last_column(J: ca.SX) -> int | None:
 def _contact_force(plant: Plant, geometry: _Geometry, name: str, q: Array, lambda_d: Array) -> ContactForce:
     assert plant.spec.drawing is not None
     points = [geometry.symbols.column(each) for each in plant.spec.drawing.contacts[name]]
-    relative = points[0] - points[1] if len(points) == 2 else points[0]
-    J_p = geometry.evaluate(plant, ca.jacobian(relative, geometry.symbols.q).T, q)
     j = list(plant.spec.constraints).index(name)
-    share = lambda_d[j] * plant.J(q)[j]
+    return solve_force(plant, geometry.symbols, name, points, q, lambda_d[j] * plant.J(q)[j])
+
+
+def solve_force(
+    plant: Plant, symbols: Symbols, name: str, points: Sequence[ca.SX], q: Array, share: Array
+) -> ContactForce:
+    """Find the force F at the first point, and -F at the second if there is one, whose joint forces are `share` (n)."""
+    relative = points[0] - points[1] if len(points) == 2 else points[0]
+    outputs = [ca.densify(each) for each in (ca.jacobian(relative, symbols.q), *points)]
+    function = ca.Function("points", [symbols.q, symbols.p], outputs)
+    J_p, *at = (np.asarray(each.full()) for each in function(q, plant.p))
     force, *_ = np.linalg.lstsq(J_p.T, share, rcond=1e-9)
     remainder = float(np.linalg.norm(J_p.T @ force - share)) / (float(np.linalg.norm(share)) or 1.0)
-    at, *reaction_at = (geometry.evaluate(plant, each, q)[0] for each in points)
-    return ContactForce(name, at, frozen(force), remainder, reaction_at[0] if reaction_at else None)
+    first, *reaction_at = (frozen(each.ravel()) for each in at)
+    return ContactForce(name, first, frozen(force), remainder, reaction_at[0] if reaction_at else None)
 
 
 def _surfaces(

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 from firmtouch.modelfile import Expression, ModelSpec
 from firmtouch.modelfile.expression import evaluate
 from firmtouch.modelfile.expression.functions import SCALAR
-from firmtouch.modelfile.sections.mechanism import Bodies, Body
+from firmtouch.modelfile.sections.constraint import Constraint
+from firmtouch.modelfile.sections.mechanism import Bodies, Body, Energies
 
 if TYPE_CHECKING:
     import sympy
@@ -52,7 +53,9 @@ def derive_symbolically(spec: ModelSpec) -> SymbolicPlant:
     reader = _Reader(spec)
     q, qdot = reader.q, reader.qdot
     K, P = reader.energies()
-    Phi = sympy.Matrix([reader.scalar(each.expression) for each in spec.constraints.values()])
+    Phi = sympy.Matrix(
+        [reader.scalar(each.expression) for each in spec.entries.values() if isinstance(each, Constraint)]
+    )
     momentum = sympy.Matrix([sympy.diff(K, each) for each in qdot])
     M = momentum.jacobian(qdot)
     # Eq. (3) without q'': d/dt(dL/dq') - dL/dq.
@@ -126,6 +129,7 @@ class _Reader:
     def energies(self) -> tuple[Any, Any]:
         mechanism = self._spec.mechanism
         if not isinstance(mechanism, Bodies):
+            assert isinstance(mechanism, Energies), "robots are derived by recursion"
             return self.scalar(mechanism.kinetic_energy), self.scalar(mechanism.potential_energy)
         gravity = self.column(mechanism.gravity)
         K = P = self._sympy.Integer(0)

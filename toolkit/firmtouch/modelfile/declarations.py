@@ -16,7 +16,7 @@ from firmtouch.modelfile.expression import ExpressionError, Kind, kind_of, parse
 from firmtouch.modelfile.expression.kind import UNKNOWN
 from firmtouch.modelfile.expression.problem import Problem
 from firmtouch.modelfile.expression.tree import Name, Node, Vector, children
-from firmtouch.modelfile.rows import rows_written
+from firmtouch.modelfile.rows import rows_written, sort_of
 from firmtouch.modelfile.units import JOULE, SECOND, UnitError, parse_unit, split_quantity
 
 MOST_COORDINATES = 40
@@ -37,8 +37,9 @@ class Declarations:
     """Names and their kinds, as a first reading of the file found them.
 
     `hidden` are names that exist and cannot be used where these declarations are, each with the reason. `optional` are
-    constraints whose multiplier need not be given. Of a robot, `joints` are the coordinates as its joints make them,
-    `frames` what constraints can name, and `tools` those of them that are tools; `attached` reads its file.
+    constraints whose multiplier need not be given, `contacts` those on surfaces. Of a robot, `joints` are the
+    coordinates as its joints make them, `frames` what constraints can name, and `tools` those of them that are tools;
+    `attached` reads its file.
     """
 
     parameters: Mapping[str, Kind] = field(default_factory=dict)
@@ -48,6 +49,7 @@ class Declarations:
     constraints: Mapping[str, Kind] = field(default_factory=dict)
     hidden: Mapping[str, str] = field(default_factory=dict)
     optional: frozenset[str] = frozenset()
+    contacts: tuple[str, ...] = ()
     joints: Mapping[str, Any] | None = None
     frames: tuple[str, ...] | None = None
     tools: tuple[str, ...] = ()
@@ -156,6 +158,7 @@ def declarations(data: Mapping[str, Any], beside: Declarations | None = None) ->
         coordinates=coordinates | dict(beside.coordinates),
         constraints=constraints,
         optional=frozenset(optional),
+        contacts=tuple(name for name, value in _section(data, "constraints").items() if sort_of(value) == "surface"),
     )
     for name, value in sections[2].items():
         kind, extent = UNKNOWN, Extent(1, 1)

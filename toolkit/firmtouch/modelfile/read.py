@@ -21,7 +21,7 @@ class ModelFile:
     """A specification and where it came from: the file's name without its ending, and the SHA-256 of its bytes.
 
     `attached` are the files that it names, by the paths that it gives; the SHA-256 is of their bytes too. `document`
-    knows where in the file each entry stands, for mistakes that only the mechanics can see, `declared` what it declares.
+    knows where in the file each entry stands, for mistakes that only the mechanics can see; `declared` are its names.
     """
 
     name: str
@@ -62,9 +62,7 @@ def read_model(path: Path | str) -> ModelFile:
     return parse_model(read_bytes(path), name=path.stem, file=str(path), attached=beside(path))
 
 
-def parse_model(
-    content: bytes, *, name: str, file: str | None = None, attached: Attached | None = None
-) -> ModelFile:
+def parse_model(content: bytes, *, name: str, file: str | None = None, attached: Attached | None = None) -> ModelFile:
     """Check the bytes of a model file; `file` is its name in messages, `attached` reads the files that it names."""
     document = read_yaml(content, file or name)
     robots = Robots(attached)

@@ -24,10 +24,10 @@ from firmtouch.modelfile.fields import (
 )
 from firmtouch.modelfile.sections.bounds import Bounds
 from firmtouch.modelfile.sections.constraint import Constraint, Entry
-from firmtouch.modelfile.sections.frames import RowOfFrames
 from firmtouch.modelfile.sections.design import DesignSpec
 from firmtouch.modelfile.sections.drawing import Drawing
 from firmtouch.modelfile.sections.force_path import ForcePathSpec
+from firmtouch.modelfile.sections.frames import RowOfFrames
 from firmtouch.modelfile.sections.mechanism import Mechanism
 from firmtouch.modelfile.sections.operating_point import OperatingPointSpec
 from firmtouch.modelfile.sections.region import RegionSpec, UncertaintySpec
@@ -92,7 +92,9 @@ class ModelSpec(Section):
         if joints is None or not isinstance(data, dict):
             return data
         if "coordinates" in data:
-            refuse(Problem("the robot's joints are the coordinates; leave this out", path=("coordinates",), at_key=True))
+            refuse(
+                Problem("the robot's joints are the coordinates; leave this out", path=("coordinates",), at_key=True)
+            )
         return {**data, "coordinates": dict(joints)}
 
     @model_validator(mode="after")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, Protocol
 
 import numpy as np
@@ -10,6 +10,8 @@ import numpy as np
 from firmtouch.errors import NoDesignError
 from firmtouch.mechanics import Array, Plant
 from firmtouch.mechanics.arrays import frozen, symmetric
+from firmtouch.regulation.inverse_kinematics import Reached
+from firmtouch.regulation.reaching import reach_configuration
 
 MOST_STEPS: Final = 60
 LARGEST_STEP: Final = 0.5
@@ -27,7 +29,8 @@ RANK: Final = 1e-9
 class OperatingPoint:
     """(q_d, lambda_d) and the plant there; N0 = P_qq - sum of lambda_dj Phi_j'', the stiffness that the plant brings.
 
-    `moved` is how far the projection moved the file's configuration, `residual` the largest |Phi| left.
+    `moved` is how far the projection moved the file's configuration, `residual` the largest |Phi| left; `reached` tells
+    of the inverse kinematics, where q_d was found so.
     """
 
     plant: Plant
@@ -42,6 +45,7 @@ class OperatingPoint:
     N0: Array
     residual: float
     moved: float
+    reached: Reached | None = None
 
     @property
     def n(self) -> int:
@@ -71,6 +75,7 @@ class Projection:
     q: Array
     residual: float
     moved: float
+    reached: Reached | None = None
 
 
 class OffSurfaceError(NoDesignError):
@@ -134,9 +139,9 @@ def find_operating_point(plant: Plant) -> OperatingPoint:
     if spec.lambda_d is not None:
         lambda_d = frozen([spec.lambda_d[name] for name in plant.spec.constraints])
     else:
-        part, outside, lambda_d = constraint_force_of(plant, J)
+        part, missing, lambda_d = constraint_force_of(plant, J)
         if part > IN_RANGE:
-            raise ForceOutOfRangeError(part, outside)
+            raise ForceOutOfRangeError(part, missing)
     return operating_point_at(plant, q_d, lambda_d)
 
 
@@ -157,12 +162,16 @@ def operating_point_at(plant: Plant, projection: Projection, lambda_d: Array) ->
         N0=symmetric(P_qq - np.tensordot(lambda_d, Phi_qq, axes=1)),  # of Eq. (14)
         residual=projection.residual,
         moved=projection.moved,
+        reached=projection.reached,
     )
 
 
 def locate(plant: Plant) -> Projection:
-    """Find q_d on the constraints from the file's `q_d` or `guess`."""
+    """Find q_d on the constraints from the file's `q_d`, `guess` or `reach`."""
     spec = plant.spec.operating_point
+    if spec.reach is not None:
+        reached = reach_configuration(plant)
+        return replace(project(plant, reached.q), moved=0.0, reached=reached)
     given = spec.q_d if spec.q_d is not None else spec.guess
     assert given is not None
     start = frozen([given[name] for name in plant.spec.coordinates])
@@ -229,7 +238,9 @@ def outside_limits(plant: Plant, q: Array) -> tuple[str, ...]:
     found = []
     for value, (name, each) in zip(q.tolist(), plant.spec.coordinates.items(), strict=True):
         if not each.lower <= value <= each.upper:
-            found.append(f"`{name}` at {value:.4g} {each.unit}, and its limits are {each.lower:.4g} to {each.upper:.4g}")
+            found.append(
+                f"`{name}` at {value:.4g} {each.unit}, and its limits are {each.lower:.4g} to {each.upper:.4g}"
+            )
     return tuple(found)
 
 

@@ -7,9 +7,11 @@ from typing import Any, Final
 
 from firmtouch.design import Design
 from firmtouch.mechanics import Array
+from firmtouch.modelfile import ModelFile
 from firmtouch.regulation import SteadyStateError
 from firmtouch.regulation.closed_loop import Positivity
 from firmtouch.report.force_loop_json import force_loop_as_json
+from firmtouch.report.reached_json import reached_as_json
 from firmtouch.report.region_json import region_as_json
 from firmtouch.report.simulation_json import run_as_json, steady_state_as_json
 
@@ -32,6 +34,7 @@ def design_as_json(design: Design) -> dict[str, Any]:
             "coordinates": list(model.spec.coordinates),
             "constraints": list(model.spec.constraints),
             "source": model.document.text,
+            **_attached(model),
         },
         "operating_point": {
             "q_d": op.q_d.tolist(),
@@ -41,6 +44,7 @@ def design_as_json(design: Design) -> dict[str, Any]:
             "J": op.J.tolist(),
             "gravity_gradient": op.g.tolist(),
             "P_qq": op.P_qq.tolist(),
+            **({} if op.reached is None else {"reached": reached_as_json(op.reached)}),
             "constraint_hessians": op.constraint_hessians.tolist(),
             "N0": op.N0.tolist(),
         },
@@ -69,6 +73,12 @@ def _simulation(design: Design) -> dict[str, Any] | None:
         "scenarios": [run_as_json(each.trajectory, op) for each in trial.runs],
         "steady_state": steady_state_as_json(trial.steady_state),
     }
+
+
+def _attached(model: ModelFile) -> dict[str, Any]:
+    """Give the text of the files that the model names, so that a design can be read back without them."""
+    files = {name: content.decode("utf-8", "surrogateescape") for name, content in model.attached.items()}
+    return {"files": files} if files else {}
 
 
 def _pairs(poles: Iterable[complex]) -> list[list[float]]:

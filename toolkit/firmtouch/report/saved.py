@@ -13,6 +13,7 @@ from firmtouch.errors import InputError
 from firmtouch.mechanics import Array, derive_plant
 from firmtouch.mechanics.arrays import frozen
 from firmtouch.modelfile import ModelFile, parse_model
+from firmtouch.modelfile.files import kept
 from firmtouch.regulation import ClosedLoop, Gains, close_loop
 from firmtouch.regulation.operating_point import ON_SURFACE, Projection, operating_point_at
 from firmtouch.report.design_json import SCHEMA
@@ -29,6 +30,7 @@ Rows = list[list[Number]]
 class _Model(BaseModel):
     name: str
     source: str
+    files: dict[str, str] = {}
 
 
 class _Point(BaseModel):
@@ -62,7 +64,9 @@ def read_design(path: Path) -> tuple[ModelFile, ClosedLoop]:
         If the model in it has mistakes.
     """
     saved = _read(path)
-    model = parse_model(saved.model.source.encode(), name=saved.model.name, file=f"{path}:model.source")
+    files = {name: text.encode("utf-8", "surrogateescape") for name, text in saved.model.files.items()}
+    source, place = saved.model.source.encode(), f"{path}:model.source"
+    model = parse_model(source, name=saved.model.name, file=place, attached=kept(files))
     n, m, gains = model.spec.n, model.spec.m, saved.gains
     q_d = _shaped(saved.operating_point.q_d, (n,), "operating_point.q_d", path)
     lambda_d = _shaped(saved.operating_point.lambda_d, (m,), "operating_point.lambda_d", path)

@@ -12,8 +12,8 @@ from firmtouch.modelfile.sections.frames import SurfaceContact
 def contact_rows(entry: SurfaceContact, arm: Arm) -> list[ca.SX]:
     """Give s(x), and with an aligned axis a, of which e1, e2, a are right-handed, -e2 . n and e1 . n.
 
-    s is the distance from the surface (m), so that its multiplier is the normal force (N), outwards. Where a points into
-    the surface, the others' multipliers are moments (N m) about e1 and e2: a small turn w changes them by w . e1, w . e2.
+    s is the distance from the surface (m), so that its multiplier is the normal force (N), outwards. Where a points
+    into the surface, a small turn w changes the others by w . e1 and w . e2: their multipliers are moments (N m).
     """
     assert entry.point is not None
     pose = arm.pose(entry.point)

@@ -17,4 +17,10 @@ def all_turns(R: ca.SX) -> list[ca.SX]:
 
 def turns(R: ca.SX, hold: str) -> list[ca.SX]:
     """Give the rows for what is held: `point`, `axis` or `frame`."""
-    return {"point": list, "axis": lambda: axis_turns(R), "frame": lambda: all_turns(R)}[hold]()
+    match hold:
+        case "axis":
+            return axis_turns(R)
+        case "frame":
+            return all_turns(R)
+        case _:
+            return []

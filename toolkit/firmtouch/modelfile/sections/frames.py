@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Final, Literal
+from typing import Annotated, Final, Literal
 
 from pydantic import Field, StrictBool, ValidationInfo, model_validator
 
 from firmtouch.modelfile.expression import Problem
 from firmtouch.modelfile.fields import Checked, Expression, Text, declared, refuse
-from firmtouch.modelfile.fields.constant import constant_in, vector_in
+from firmtouch.modelfile.fields.constant import constant_in
 from firmtouch.modelfile.rows import ROD, Row, contact_rows, join_rows, others, rail_rows
 from firmtouch.modelfile.sections.pose import FrameSpec, Vector3
 from firmtouch.modelfile.sections.section import Section
@@ -16,7 +16,7 @@ from firmtouch.modelfile.sections.surface import SurfaceSpec
 from firmtouch.modelfile.words import listed, shown
 
 Axis = Literal["x", "y", "z"]
-Direction = Annotated[Expression, vector_in("1")]
+Direction = Annotated[Expression, constant_in("1", size=3)]
 
 
 class RowOfFrames(Section):
@@ -73,7 +73,9 @@ class OnFrames(Section):
             if each.suffix not in self.without or not each.optional:
                 words = f"{self.label}: {each.words}" if self.label and each.suffix else self.label or each.words
                 one_sided = self.one_sided_rows() and not each.suffix
-                found[each.name(name)] = RowOfFrames(unit=each.unit, label=words, one_sided=one_sided, written=self.written())
+                found[each.name(name)] = RowOfFrames(
+                    unit=each.unit, label=words, one_sided=one_sided, written=self.written()
+                )
         return found
 
 
@@ -88,10 +90,6 @@ class SurfaceContact(OnFrames):
     def all_rows(self) -> tuple[Row, ...]:
         """Give the distance, and the turns about the two other axes."""
         return contact_rows(self.align)
-
-    def written(self) -> str:
-        """Say what is constrained, in a few words."""
-        raise NotImplementedError
 
     def written(self) -> str:
         """Name the frame and the surface."""
@@ -202,5 +200,3 @@ class Join(OnFrames):
     def written(self) -> str:
         """Name the frames."""
         return " = ".join(each.frame for each in self.join)
-
-

@@ -8,8 +8,8 @@ from pydantic import Field, ValidationInfo
 
 from firmtouch.modelfile.declarations import Declarations
 from firmtouch.modelfile.expression import Problem
-from firmtouch.modelfile.fields import Checked, Expression, declared, read_all, refuse, under
-from firmtouch.modelfile.fields.constant import CONSTANT_SCHEMA, read_constant, vector_in
+from firmtouch.modelfile.fields import EXPRESSION_SCHEMA, Checked, Expression, declared, read_all, refuse, under
+from firmtouch.modelfile.fields.constant import constant_in, read_constant
 from firmtouch.modelfile.sections.section import Section, ShortSection
 from firmtouch.modelfile.words import did_you_mean, listed, shown
 
@@ -45,11 +45,11 @@ def _frame(raw: object, info: ValidationInfo) -> str:
 
 _ROTATIONS: Final[dict[str, Any]] = {
     "type": "array",
-    "items": {"type": "object", "properties": dict.fromkeys("xyz", CONSTANT_SCHEMA), "maxProperties": 1},
+    "items": {"type": "object", "properties": dict.fromkeys("xyz", EXPRESSION_SCHEMA), "maxProperties": 1},
 }
 FrameName = Annotated[str, Checked(_frame, {"type": "string"})]
 Orientation = Annotated[Turns, Checked(_turns, _ROTATIONS)]
-Vector3 = Annotated[Expression, vector_in("m")]
+Vector3 = Annotated[Expression, constant_in("m", size=3)]
 
 
 class PoseSpec(Section):

@@ -18,7 +18,6 @@ from firmtouch.modelfile.fields import (
     Checked,
     Expression,
     Quantity,
-    Text,
     declared,
     expect_dimension,
     quantity_in,
@@ -27,7 +26,7 @@ from firmtouch.modelfile.fields import (
     refuse,
     under,
 )
-from firmtouch.modelfile.fields.constant import constant_in, vector_in
+from firmtouch.modelfile.fields.constant import constant_in
 from firmtouch.modelfile.fields.names import RESERVED
 from firmtouch.modelfile.sections.pose import LONGEST_FRAME, PoseSpec
 from firmtouch.modelfile.sections.section import Section
@@ -38,6 +37,7 @@ from firmtouch.modelfile.urdf.robot import UrdfRobot
 from firmtouch.modelfile.words import shown
 
 LONGEST_NAME: Final = 32
+PER_JOINT: Final = {"type": "object", "additionalProperties": QUANTITY_SCHEMA}
 EARTH: Final = (0.0, 0.0, -9.81)
 """Gravity where z points up, m/s^2."""
 
@@ -49,11 +49,12 @@ def _urdf(raw: object, info: ValidationInfo) -> UrdfRobot:
     if attached is None:
         refuse(Problem("this file stands alone here, so no other one can be read"))
     try:
-        return attached(raw)
+        robot: UrdfRobot = attached(raw)
     except ModelFileError:
         raise  # mistakes in that file, at their places there
     except InputError as error:
         refuse(Problem(str(error)))
+    return robot
 
 
 def _tools(raw: object, info: ValidationInfo) -> tuple[str, ...]:  # noqa: ARG001  # the signature is pydantic's
@@ -84,14 +85,12 @@ class PayloadSpec(Section):
         None, description="the link that carries it; without it, the tool"
     )
     mass: Annotated[Expression, constant_in("kg")] = Field(description="such as `1.5 kg`, or a parameter")
-    centre_of_mass: Annotated[Expression, vector_in("m")] | None = Field(
+    centre_of_mass: Annotated[Expression, constant_in("m", size=3)] | None = Field(
         None, description="in the frame's axes; without it, at its origin"
     )
-    inertia: tuple[
-        Annotated[Expression, constant_in("kg*m^2")],
-        Annotated[Expression, constant_in("kg*m^2")],
-        Annotated[Expression, constant_in("kg*m^2")],
-    ] | None = Field(None, description="moments about its centre of mass along the frame's axes; without it, a point")  # fmt: skip
+    inertia: Annotated[Expression, constant_in("kg*m^2", size=3)] | None = Field(
+        None, description="moments about its centre of mass along the frame's axes; without it, a point mass"
+    )
 
 
 class Robot(Section):
@@ -113,15 +112,13 @@ class Robot(Section):
 class UrdfMechanism(Robot):
     """A robot of a URDF file."""
 
-    urdf: Annotated[UrdfRobot, Checked(_urdf, {"type": "string"})] = Field(
-        description="the file, relative to this one"
-    )
+    urdf: Annotated[UrdfRobot, Checked(_urdf, {"type": "string"})] = Field(description="the file, relative to this one")
     tool: Annotated[tuple[str, ...], Checked(_tools, {"type": ["string", "array"]})] = Field(
         (), description="the link that touches, or a list of links; joints that do not matter for it are left out"
     )
-    locked: Annotated[dict[str, Quantity], Checked(_locked, {"type": "object", "additionalProperties": QUANTITY_SCHEMA})] = (
-        Field({}, description="joints that do not move, each with its position")
-    )  # fmt: skip
+    locked: Annotated[dict[str, Quantity], Checked(_locked, PER_JOINT)] = Field(
+        {}, description="joints that do not move, each with its position"
+    )
     base: PoseSpec | None = Field(None, description="where the robot's root link stands in the world")
     gravity: Annotated[tuple[float, float, float], Checked(_gravity, {"type": "array"})] = Field(
         EARTH, description="as a vector in the world; without it, 9.81 m/s^2 against z"
@@ -241,5 +238,3 @@ class ChainMechanism(Robot):
     def tools(self) -> tuple[str, ...]:
         """Give the tip."""
         return ("tip",)
-
-

@@ -51,6 +51,8 @@ def _picture(scene: Scene) -> Figure:
         caption += ", and in pale where the constraints let it go"
     if forces:
         caption += f". Red: the contact force on the mechanism ({'; '.join(forces)})"
-    surfaces = len(scene.walls + scene.rounds)
+    if scene.patches:
+        caption += ". Dashed: the surface's tangent plane and normal n where it is touched"
+    surfaces = len(scene.walls + scene.rounds) + len(scene.patches)
     alt = f"Drawing of the mechanism with {len(scene.lines)} chains of links touching {surfaces} surfaces"
     return Figure(mechanism_picture(scene), prose(f"{caption}."), alt, 0.82)

@@ -9,7 +9,7 @@ import numpy as np
 
 from firmtouch.mechanics import Array, Scene
 from firmtouch.mechanics.arrays import frozen
-from firmtouch.mechanics.scene import ContactForce
+from firmtouch.mechanics.scene import ContactForce, Patch
 from firmtouch.report.figures.canvas import (
     ARM,
     FORCE,
@@ -51,6 +51,8 @@ def force_label(force: ContactForce) -> str:
 def _extent(scene: Scene) -> tuple[Array, Array]:
     """Find the box of what must be seen: the mechanism, its ghosts and its contacts, not all of a large sphere."""
     points = np.vstack([*scene.lines, *(line for ghost in scene.ghosts for line in ghost), *_contacts(scene)])
+    points = np.vstack([points, *(each.points.reshape(-1, 3) for each in scene.patches)])
+    points = points[np.all(np.isfinite(points), axis=1)]
     low, high = points.min(axis=0), points.max(axis=0)
     reach = SURFACE_PART * float(np.max(high - low))
     for each in scene.rounds:
@@ -166,6 +168,8 @@ def _in_space(scene: Scene) -> str:
     axes.set_proj_type("persp", focal_length=0.4)
     for each in scene.rounds:
         _draw_ball(axes, each.centre, each.radius)
+    for patch in scene.patches:
+        _draw_patch(axes, patch, ARROW * span)
     for ghost in scene.ghosts:
         for line in ghost:
             axes.plot(*line.T, color=ARM, alpha=0.16, linewidth=4, zorder=3, solid_capstyle="round")
@@ -207,6 +211,20 @@ def _best_azimuth(scene: Scene) -> float:
     points = np.vstack(scene.lines)
     reach = points[np.argmax(np.linalg.norm(points[:, :2] - points[0, :2], axis=1)), :2] - points[0, :2]
     return float(np.degrees(np.arctan2(reach[1], reach[0]))) - 62
+
+
+def _draw_patch(axes: Any, patch: Patch, length: float) -> None:  # noqa: ANN401  # matplotlib
+    """Draw a surface around a contact, its tangent plane there as a dashed square, and its normal."""
+    x, y, z = np.moveaxis(patch.points, 2, 0)
+    axes.plot_surface(
+        x, y, z, color=SURFACE, alpha=0.75, linewidth=0, antialiased=False, zorder=2, shade=True, rstride=1, cstride=1
+    )
+    axes.plot_wireframe(x, y, z, color=SURFACE_EDGE, linewidth=0.35, alpha=0.6, zorder=2, rstride=4, cstride=4)
+    square = np.vstack([patch.tangent, patch.tangent[:1]])
+    axes.plot(*square.T, color=INK, linewidth=1.1, linestyle=(0, (4, 2)), zorder=4)
+    head = patch.contact + length * patch.normal
+    axes.plot(*np.vstack([patch.contact, head]).T, color=INK, linewidth=1.1, linestyle=(0, (4, 2)), zorder=4)
+    axes.text(*(patch.contact + 1.12 * length * patch.normal), "n", color=INK, fontsize=10, style="italic", zorder=10)
 
 
 def _draw_ball(axes: Any, centre: Array, radius: float) -> None:  # noqa: ANN401  # matplotlib

@@ -109,6 +109,34 @@ def test_a_massless_link_may_be_written_as_such():
     assert robot.links["a"].inertial.mass == 0
 
 
+def test_a_link_that_is_fixed_to_what_carries_it_may_be_a_point_mass():
+    point = SIX.replace('"1"', '"0"')
+    tip = (
+        f'<joint name="t" type="fixed"><parent link="b"/><child link="tip"/></joint><link name="tip">{INERTIAL}</link>'
+    )
+    robot = read(changed(("</robot>", tip.replace(SIX, point) + "</robot>")))
+    assert robot.links["tip"].inertial.inertia == (0,) * 6
+    assert "link `tip` has an inertia, but no mass" in mistakes(
+        changed(("</robot>", tip.replace('mass value="2"', 'mass value="0"') + "</robot>"))
+    )[0]  # fmt: skip
+
+
+def test_what_stands_still_may_have_the_inertia_of_no_body():
+    strange = INERTIAL.replace('izz="1"', 'izz="9"')
+    still = f'<joint name="t" type="fixed"><parent link="base"/><child link="foot"/></joint><link name="foot">{strange}</link>'
+    robot = read(changed(('<link name="base"/>', f'<link name="base">{strange}</link>{still}')))
+    assert robot.links["base"].inertial.inertia == robot.links["foot"].inertial.inertia == (1, 0, 0, 1, 0, 9)
+    assert "negative mass" in mistakes(changed(('<link name="base"/>', f'<link name="base">{strange}</link>'.replace('"2"', '"-2"'))))[0]  # fmt: skip
+
+
+def test_a_word_like_one_that_is_there_too_belongs_to_another_tool():
+    limit = LIMIT.replace(" effort", ' command_effort="1" gear_velocity="1" effort')
+    others = "<collision/><collision_checking/>"
+    text = changed((LIMIT, limit), ('<link name="base"/>', f'<link name="base">{others}</link>'))
+    assert read(text).joints == read(GOOD).joints
+    assert any("no attribute `command_effort`" in each for each in mistakes(text.replace(' effort="4"', "")))
+
+
 SIX = 'ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"'
 MISTAKES = {
     "floating": ([("revolute", "floating")], "6:23: joint `j` is floating: it has six coordinates"),

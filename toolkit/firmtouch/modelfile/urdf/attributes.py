@@ -63,9 +63,10 @@ class Attributes:
         return x, y, z
 
     def known(self, element: Element, names: Sequence[str]) -> None:
-        """Refuse attributes that look like misspelt ones of these; others belong to other tools."""
+        """Refuse attributes that look like misspelt ones of these, which then are missing; others are other tools'."""
+        missing = [each for each in names if each not in element.attributes]
         for name in element.attributes:
-            if name not in names and (near := did_you_mean(name, names)):
+            if name not in names and (near := did_you_mean(name, missing)):
                 self.refuse(element, f"`<{element.tag}>` has no attribute {shown(name)}{near}", name)
 
     def only(self, element: Element, tag: str, what: str) -> Element | None:
@@ -76,12 +77,16 @@ class Attributes:
         return found[0] if found else None
 
     def known_children(self, element: Element, tags: Sequence[str], what: str) -> None:
-        """Refuse children that look like misspelt ones of these, and macros; others belong to other tools."""
+        """Refuse children that look like misspelt ones of these, and macros; others belong to other tools.
+
+        What is misspelt is missing, but for a robot's elements, of which there are many.
+        """
+        missing = [each for each in tags if element.tag == "robot" or not element.all(each)]
         for child in element.children:
             if child.tag.startswith("xacro:"):
                 message = f"{shown(child.tag)} is a macro; expand the file first: `xacro FILE > robot.urdf`"
                 self.refuse(child, message)
-            elif child.tag not in tags and (near := did_you_mean(child.tag, tags)):
+            elif child.tag not in tags and (near := did_you_mean(child.tag, missing)):
                 self.refuse(child, f"{what} has no {shown(f'<{child.tag}>')}{near}")
 
     def _numbers(self, element: Element, name: str, text: str, count: int, largest: float) -> list[float]:

@@ -1,14 +1,15 @@
-"""`<inertial>` and `<origin>`: a body's mass, its centre and its inertia, which must be those of some body."""
+"""`<inertial>` and `<origin>`: a mass, its centre and its inertia, of some body where they move."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
 
 from firmtouch.modelfile.urdf.attributes import LARGEST_SIZE, Attributes
-from firmtouch.modelfile.urdf.robot import Inertial, Pose
+from firmtouch.modelfile.urdf.robot import Inertial, JointType, Link, Pose, UrdfJoint
 from firmtouch.modelfile.urdf.xmltext import Element
 from firmtouch.modelfile.words import shown
 
@@ -31,7 +32,7 @@ def read_pose(element: Element, what: str, read: Attributes) -> Pose:
 
 
 def read_inertial(link: Element, name: str, read: Attributes) -> Inertial | None:
-    """Read what a link weighs; None where the file does not say it."""
+    """Read what a link weighs; None where the file does not say it. Whether a body can be so is told by its joints."""
     what = f"link {shown(name)}"
     element = read.only(link, "inertial", what)
     if element is None:
@@ -51,9 +52,31 @@ def read_inertial(link: Element, name: str, read: Attributes) -> Inertial | None
     inertia = (ixx, ixy, ixz, iyy, iyz, izz)
     if mass < 0:
         read.refuse(mass_element, f"{what} has a negative mass, {mass:g} kg", "value")
-    elif all(map(math.isfinite, (mass, *inertia))) and (mass or any(inertia)) and (wrong := no_body(mass, inertia)):
-        read.refuse(tensor, f"{what} {wrong}")
     return Inertial(pose, mass, inertia)
+
+
+def check_bodies(
+    links: Sequence[tuple[Element, Link]], joints: Sequence[UrdfJoint], root: str, read: Attributes
+) -> None:
+    """Refuse links that move with a mass and an inertia that no body has; the joints stand behind their carriers.
+
+    The inertia of what stands still has no effect, and many files write something there. A link that is fixed to what
+    carries it may be a point mass: many tools and sensors are written so.
+    """
+    still, fixed = {root}, set()
+    for joint in joints:
+        if joint.type is JointType.FIXED:
+            fixed.add(joint.child)
+            still |= {joint.child} if joint.parent in still else set()
+    for element, link in links:
+        if link.inertial is None or link.name in still:
+            continue
+        mass, inertia = link.inertial.mass, link.inertial.inertia
+        if not all(map(math.isfinite, (mass, *inertia))) or mass < 0:
+            continue  # told already
+        plain = not any(inertia) and (mass == 0 or link.name in fixed)
+        if not plain and (wrong := no_body(mass, inertia)):
+            read.refuse(element.all("inertial")[0].all("inertia")[0], f"link {shown(link.name)} {wrong}")
 
 
 def no_body(mass: float, inertia: Moments) -> str | None:

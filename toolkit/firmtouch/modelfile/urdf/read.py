@@ -8,7 +8,7 @@ from typing import Final
 
 from firmtouch.modelfile.files import read_bytes
 from firmtouch.modelfile.urdf.attributes import LARGEST_SIZE, Attributes
-from firmtouch.modelfile.urdf.inertial import read_inertial, read_pose
+from firmtouch.modelfile.urdf.inertial import check_bodies, read_inertial, read_pose
 from firmtouch.modelfile.urdf.robot import UNLIMITED, JointType, Limits, Link, Mimic, UrdfJoint, UrdfRobot
 from firmtouch.modelfile.urdf.structure import arrange
 from firmtouch.modelfile.urdf.xmltext import LARGEST, Element, read_xml
@@ -49,6 +49,7 @@ def parse_urdf(content: bytes, *, file: str) -> UrdfRobot:
     links = [(each, _link(each, read)) for each in root.all("link")]
     joints = [(each, _joint(each, read)) for each in root.all("joint") if _is_joint(each)]
     base, ordered = arrange(root, links, joints, read)
+    check_bodies(links, ordered, base, read)
     read.finish()
     name = root.attributes.get("name", "")
     return UrdfRobot(name, file, base, {each.name: each for _, each in links}, {each.name: each for each in ordered})

@@ -20,7 +20,13 @@ settings.register_profile("firmtouch", deadline=None, derandomize=True, database
 settings.load_profile("firmtouch")
 
 
-@pytest.fixture(scope="session", params=sorted((ROOT / "models").glob("*.yaml")), ids=lambda path: path.stem)
+def shipped_model(path: Path):
+    """Real arms take seconds each, so what holds for all models is tested on them in the long suite."""
+    marks = [pytest.mark.slow] if "urdf:" in path.read_text(encoding="utf-8") else []
+    return pytest.param(path, id=path.stem, marks=marks)
+
+
+@pytest.fixture(scope="session", params=map(shipped_model, sorted((ROOT / "models").glob("*.yaml"))))
 def model(request) -> firmtouch.ModelFile:
     return firmtouch.read_model(request.param)
 

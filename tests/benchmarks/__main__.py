@@ -12,7 +12,9 @@ from tests.benchmarks import (
     region_speed,
     simulation_speed,
     six_joints,
+    spatial_six_joints,
     start,
+    tree_speed,
 )
 from tests.benchmarks.measure import Figure
 
@@ -23,6 +25,8 @@ def main() -> int:
         start,
         first_design,
         six_joints,
+        spatial_six_joints,
+        tree_speed,
         region_speed,
         decentralised,
         certificate_speed,

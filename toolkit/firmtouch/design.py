@@ -14,10 +14,8 @@ from firmtouch.certificate.witness import Multipliers, Witness
 from firmtouch.checks import CheckReport, check_model
 from firmtouch.errors import InputError, NoDesignError
 from firmtouch.mechanics import Scene, derive_plant, draw_scene
-from firmtouch.mechanics.robot_scene import robot_scene
 from firmtouch.mechanics.symbolic import SymbolicPlant
 from firmtouch.modelfile import ModelFile
-from firmtouch.modelfile.sections.robot import Robot
 from firmtouch.regulation import ClosedLoop, OperatingPoint, SteadyState, find_operating_point, steady_state_errors
 from firmtouch.regulation.closed_loop import match_poles, pole_distance
 from firmtouch.regulation.force_loop import ForceLoop, analyse_force_loop, with_chosen_force_feedback
@@ -233,8 +231,7 @@ def _scene(loop: ClosedLoop) -> Scene | None:
                 ghosts.append(project(op.plant, op.q_d + sign * GHOST * direction).q)
             except OffSurfaceError:
                 continue  # the surface ends here, and so does the picture
-    drawn = robot_scene if isinstance(op.plant.spec.mechanism, Robot) and op.plant.spec.drawing is None else draw_scene
-    return drawn(op.plant, op.q_d, op.lambda_d, ghosts)
+    return draw_scene(op.plant, op.q_d, op.lambda_d, ghosts)
 
 
 def _warnings(loop: ClosedLoop) -> tuple[str, ...]:

@@ -10,7 +10,7 @@ import numpy as np
 from firmtouch.mechanics.arrays import frozen
 from firmtouch.mechanics.rigid_bodies import elementary_rotation
 from firmtouch.mechanics.symbols import Symbols
-from firmtouch.mechanics.tree import KinematicTree, Placement, frame_pose, grow_tree, loaded, placement
+from firmtouch.mechanics.tree import KinematicTree, Placement, frame_pose, grow_tree, loaded, placement, planar_chain
 from firmtouch.mechanics.tree.dynamics import Inertias
 from firmtouch.mechanics.tree.kinematics import Pose
 from firmtouch.modelfile import ModelSpec
@@ -53,8 +53,6 @@ def arm_of(spec: ModelSpec, symbols: Symbols) -> Arm | None:
 def tree_of(mechanism: Robot, symbols: Symbols) -> KinematicTree:
     """Build a robot's tree, without what it carries."""
     if isinstance(mechanism, ChainMechanism):
-        from firmtouch.mechanics.tree.chain import planar_chain
-
         chain = mechanism.planar_chain
         return planar_chain(chain.n, length=chain.length, mass=chain.mass, gravity=chain.gravity)
     assert isinstance(mechanism, UrdfMechanism)

@@ -117,7 +117,7 @@ def _forces(plant: Plant, arm: Arm, q: Array, lambda_d: Array) -> Iterator[Conta
             np.zeros(plant.n),
         )
         points = [arm.pose(each).p for each in reversed(frames)]
-        yield solve_force(plant, arm.symbols, name, points, q, share)
+        yield solve_force(plant, name, points, symbols=arm.symbols, q=q, share=share)
 
 
 def _patches(plant: Plant, arm: Arm, q: Array, size: float) -> Iterator[Patch]:

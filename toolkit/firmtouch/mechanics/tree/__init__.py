@@ -1,6 +1,7 @@
 """Arms as trees of joints: `UrdfRobot` -> `KinematicTree` -> M, theta, P, K, frames by recursion on CasADi symbols."""
 
 from firmtouch.mechanics.tree.build import build_tree, grow_tree
+from firmtouch.mechanics.tree.chain import planar_chain
 from firmtouch.mechanics.tree.dynamics import inverse_dynamics, kinetic_energy, mass_matrix, potential_energy, theta
 from firmtouch.mechanics.tree.inertia import SpatialInertia
 from firmtouch.mechanics.tree.kinematics import frame_jacobian, frame_pose
@@ -23,6 +24,7 @@ __all__ = [
     "loaded",
     "mass_matrix",
     "placement",
+    "planar_chain",
     "potential_energy",
     "theta",
 ]

@@ -223,7 +223,7 @@ class ChainSpec(Section):
 
 
 class ChainMechanism(Robot):
-    """A chain of equal links in the plane, for studies of scale; its frames are `base`, `link1` to `linkn`, `tip`."""
+    """A chain of equal links in the plane, for studies of scale; its frames are `link1` to `linkn`, and `tip`."""
 
     planar_chain: ChainSpec
 
@@ -233,7 +233,7 @@ class ChainMechanism(Robot):
 
     def frames(self) -> tuple[str, ...]:
         """Give the links and the tip."""
-        return ("base", *(f"link{i + 1}" for i in range(self.planar_chain.n)), "tip")
+        return (*(f"link{i + 1}" for i in range(self.planar_chain.n)), "tip")
 
     def tools(self) -> tuple[str, ...]:
         """Give the tip."""

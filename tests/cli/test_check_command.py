@@ -59,7 +59,7 @@ def test_a_check_that_fails_is_marked_and_the_exit_code_is_1(capsys, write):
     failed = [row for row in out.splitlines() if row.startswith("FAILS")]
     assert [row[6:20].strip() for row in failed] == ["Phi(q_d) = 0", "energy kept"]
     assert "q_d misses the constraints by 0.081" in failed[0]
-    assert out.rstrip().endswith("2 of 13 checks fail")
+    assert out.rstrip().endswith("2 of 15 checks fail")
 
 
 @pytest.mark.parametrize(

@@ -148,7 +148,8 @@ def _mutate_bytes(source: bytes, seed: str, rng: random.Random, count: int) -> M
 
 def _mutate_tree(source: bytes, seed: str, rng: random.Random, count: int) -> Mutation:
     data = _loaded(source)
-    names = {"q": [*data["coordinates"]], "p": [*data["parameters"]], "d": [*data.get("definitions", ())]}
+    sections = {"q": "coordinates", "p": "parameters", "d": "definitions"}
+    names = {short: [*data.get(section, ())] or ["q1"] for short, section in sections.items()}
     tree = _with_pairs(data)
     done = [_one_step(tree, rng, names) for _ in range(count)]
     return Mutation(seed, tuple(done), (_block(tree, 0) + "\n").encode())

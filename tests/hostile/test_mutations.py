@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import signal
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import pytest
 from tests.hostile.harness import MODELS, TooSlow, survive, watchdog
@@ -15,19 +15,21 @@ FAST, FAST_CHUNK = 600, 60
 SLOW, SLOW_CHUNK = 20_000, 500
 
 
-BY_SIZE = sorted(MODELS, key=lambda name: MODELS[name].stat().st_size)
+ROBOTS = [name for name, path in MODELS.items() if "urdf:" in path.read_text(encoding="utf-8")]
+ROBOTS_SLOW, ROBOTS_CHUNK = 400, 40
+BY_SIZE = sorted(MODELS.keys() - set(ROBOTS), key=lambda name: MODELS[name].stat().st_size)
 TURNS = (*BY_SIZE, *BY_SIZE[: 2 * len(BY_SIZE) // 3])
 """Small models are checked sooner, and have their turn twice."""
 
 
 @pytest.fixture
-def survive_all(tmp_path, canary, capfd, record_property) -> Callable[[int, int], None]:
+def survive_all(tmp_path, canary, capfd, record_property) -> Callable[..., None]:
     """Check a range of damaged files; how many had which exit code is kept for `--junitxml`."""
 
-    def run(start: int, count: int) -> None:
+    def run(start: int, count: int, turns: Sequence[str] = TURNS) -> None:
         codes: Counter[int] = Counter()
         for i in range(start, start + count):
-            name = TURNS[i % len(TURNS)]
+            name = turns[i % len(turns)]
             mutation = mutate(MODELS[name].read_bytes(), f"{name}:{i}")
             what = f"{mutation.seed} ({', '.join(mutation.steps)})"
             codes[survive(mutation.content, what, tmp_path / "damaged.yaml", canary)] += 1
@@ -50,6 +52,13 @@ def test_damaged_models_are_answered(start, survive_all):
 @pytest.mark.parametrize("start", range(0, SLOW, SLOW_CHUNK))
 def test_twenty_thousand_damaged_models_are_answered(start, survive_all):
     survive_all(start, SLOW_CHUNK)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("start", range(0, ROBOTS_SLOW, ROBOTS_CHUNK))
+def test_damaged_models_of_robots_are_answered(start, survive_all, tmp_path):
+    (tmp_path / "urdf").symlink_to(MODELS[ROBOTS[0]].parent / "urdf")
+    survive_all(start, ROBOTS_CHUNK, ROBOTS)
 
 
 def test_the_same_seed_makes_the_same_damage():

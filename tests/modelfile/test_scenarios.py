@@ -437,8 +437,9 @@ def test_the_names_and_units_are_those_of_the_model(path):
         "start": {"beside_q_d": {name: f"1 {unit}" for name, unit in units.items()}},
         "disturbances": [{"force": {name: f"1 {unit}" for name, unit in forces.items()}}],
         "surface": {"offset": {name: f"1 {'mm' if each.unit == 'm' else 'mrad'}" for name, each in spec.constraints.items()}},
-        "parameters": {name: each.value.value for name, each in spec.parameters.items()},
     }  # fmt: skip
+    if spec.parameters:
+        run["parameters"] = {name: each.value.value for name, each in spec.parameters.items()}
     content = json.dumps({"scenarios": {"run": run}}).encode()
     found = parse_scenarios(content, model, file="runs.yaml").scenarios["run"]
     assert set(found.start.beside_q_d) == set(spec.coordinates)

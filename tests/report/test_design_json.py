@@ -70,7 +70,7 @@ def test_it_names_its_schema_and_the_file_it_was_made_from(report, data):
     path = ROOT / "models" / f"{report.model.name}.yaml"
     assert data["schema"] == "firmtouch.design/1"
     assert data["model"]["name"] == path.stem
-    assert data["model"]["sha256"] == hashlib.sha256(path.read_bytes()).hexdigest()
+    assert data["model"]["sha256"] == digest(path, report.model)
     assert (data["model"]["n"], data["model"]["m"]) == (report.model.spec.n, report.model.spec.m)
 
 

@@ -37,8 +37,8 @@ def test_the_cell_is_one_arm_twice(cell, say, rng):
 
 
 def test_the_bases_face_each_other(cell, say, rng):
-    left, right = (say.functions(build_tree(cell, tool=f"{side}_tool0")) for side in ("left", "right"))
-    one = say.functions(build_tree(read_urdf(URDF / "ur5e.urdf"), tool="flange"))
+    left, right = (say.functions(build_tree(cell, tool=f"{side}_tool0"), f"{side}_tool0") for side in ("left", "right"))
+    one = say.functions(build_tree(read_urdf(URDF / "ur5e.urdf"), tool="flange"), "flange")
     half_turn = np.diag([-1, -1, 1])
     for q in rng.uniform(-3, 3, (5, 6)):
         assert left.p(q) == pytest.approx(one.p(q) - np.array([0.5, 0, 0]), abs=ROUNDING)

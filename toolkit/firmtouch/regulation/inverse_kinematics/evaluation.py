@@ -8,7 +8,6 @@ from typing import Final
 
 import casadi as ca
 import numpy as np
-from scipy.stats import qmc
 
 from firmtouch.mechanics.arrays import Array, call, call_vector, frozen
 from firmtouch.regulation.inverse_kinematics.reach import Reach
@@ -43,7 +42,7 @@ class Evaluation:
         self._rank = max(1, *(int(np.sum(each > RANK * each[0])) for each in values))
 
     def starts(self, count: int) -> Array:
-        """Spread configurations within the limits, angles over one turn at most: the middle, then a Halton sequence."""
+        """Spread configurations within the limits, angles over one turn at most: the middle, then at random."""
         half = np.where(self.reach.revolves, np.pi, UNLIMITED_SLIDE)
         lower, upper = self.reach.lower, self.reach.upper
         wide = ~self.limited | (np.array(self.reach.revolves) & (upper - lower > 2 * half))
@@ -51,7 +50,7 @@ class Evaluation:
         middle = np.clip(0.0, lower + half, upper - half)
         begin = np.where(wide, middle - half, lower)
         end = np.where(wide, middle + half, upper)
-        spread = qmc.Halton(self.reach.n, rng=SEED).random(count - 1)
+        spread = np.random.default_rng(SEED).random((count - 1, self.reach.n))
         return frozen(np.vstack([(begin + end)[None, :] / 2, begin + spread * (end - begin)]))
 
     def rank(self, q: Array) -> int:

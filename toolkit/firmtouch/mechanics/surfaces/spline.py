@@ -6,8 +6,10 @@ With s = t - i, the basis function of knot i has |s| < 2 as its support and is t
 
 Every comparison is a factor of a cube (or, at |s| = 2, of what has become one) that vanishes where it switches, so its
 derivatives of order 0, 1, 2 are continuous, and what a ball around a knot does not decide is multiplied by something
-small. Numbers stay of size one: sums of all truncated powers over the grid would cancel, in balls without bound. The
-comparisons do not switch at the grid's ends, beyond which the cubics of the outer cells go on.
+small. That holds for the derivatives as they are written here; those that CasADi makes of the value are enclosed too,
+but not tightly at a knot, as its rules multiply [|s| < 2] out. Numbers stay of size one: sums of all truncated powers
+over the grid would cancel, in balls without bound. At the grid's ends, beyond which the cubics of the outer cells go
+on, comparisons do not switch.
 """
 
 from __future__ import annotations

@@ -1,0 +1,227 @@
+"""Signed distances: zero and of slope one on the surface, the true distance where that is promised, true curvatures."""
+
+from types import SimpleNamespace
+
+import casadi as ca
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.optimize import minimize
+from tests.mechanics.surfaces.given import SURFACES, SYMBOLS, Measured, P, rotation, surface
+
+from firmtouch.mechanics.surfaces import bend, signed_distance
+from firmtouch.mechanics.symbols import Symbols
+
+ROUNDING = 1e-13  # of sizes below one, after some dozens of operations
+SECOND = 1e-10  # rounding of second derivatives: a few digits more are lost in powers of the curvature
+MEASURED = {name: Measured(text) for name, text in SURFACES.items()}
+
+
+@pytest.fixture(params=MEASURED)
+def name(request):
+    return request.param
+
+
+@pytest.fixture
+def measured(name):
+    return MEASURED[name]
+
+
+@pytest.fixture
+def points(measured, rng):
+    """Points of the surface."""
+    found = [measured.onto([0.1, 0.2, 0.1] + 0.3 * rng.normal(size=3)) for _ in range(8)]
+    there = [x for x in found if abs(measured(x)) < ROUNDING and np.linalg.norm(x) < 2]
+    return [x for x in there if np.abs(measured(x, "hessian")).max() < 200]  # not the apex of a cone
+
+
+def test_the_slope_is_one_on_the_surface_and_along_the_normal(measured, points):
+    assert len(points) >= 5
+    for x in points:
+        n = measured(x, "normal")
+        assert np.linalg.norm(n) == pytest.approx(1, abs=ROUNDING)
+        assert measured(x, "gradient") == pytest.approx(n, abs=SECOND)
+
+
+def test_it_bends_as_casadi_differentiates(measured, points, rng):
+    for x in [*points, *(0.3 * rng.normal(size=(3, 3)))]:
+        gradient, hessian = (each.full() for each in measured.by_casadi(x, measured.p))
+        assert measured(x, "bent") == pytest.approx(measured(x), abs=ROUNDING)
+        assert measured(x, "gradient") == pytest.approx(gradient.ravel(), rel=SECOND, abs=SECOND)
+        assert measured(x, "hessian") == pytest.approx(hessian, rel=SECOND, abs=SECOND * (1 + np.abs(hessian).max()))
+
+
+def test_derivatives_are_those_of_differences(measured, points):
+    h = 1e-5  # central differences: h^2 = 1e-10 of third derivatives of some hundreds, and rounding of 1e-11
+    for x in points[:3]:
+        steps = h * np.eye(3)
+        slope = [(measured(x + d) - measured(x - d)) / (2 * h) for d in steps]
+        bent = [(measured(x + d, "gradient") - measured(x - d, "gradient")) / (2 * h) for d in steps]
+        assert measured(x, "gradient") == pytest.approx(slope, abs=1e-7)
+        assert measured(x, "hessian") == pytest.approx(np.array(bent), abs=1e-5)
+
+
+def test_a_distance_of_first_order_is_wrong_by_the_square(measured, points):
+    """s along the normal is the way gone, but for O(way^2): halving the way quarters what is missing at least."""
+    for x in points[:4]:
+        n = measured(x, "normal")
+        misses = [abs(measured(x + way * n) - way) for way in (2e-3, 1e-3)]
+        assert misses[1] <= misses[0] / 3.5 + ROUNDING
+
+
+EXACT = {
+    "plane": (lambda u, v: [0.1 + 2 * u, u + v, 0.1 + v], 1.5),
+    "sphere": (lambda u, v: np.array([0.1, 0, 0.1]) + 0.2 * np.array([np.cos(u) * np.cos(v), np.sin(u) * np.cos(v), np.sin(v)]), 4),
+    "cylinder": (lambda u, v: np.array([0.1, 0, 0.1]) + turned([1, 1, 3]) @ [0.2 * np.cos(u), 0.2 * np.sin(u), v], 4),
+    "cone": (lambda u, v: np.array([0.1, 0, 0.1]) + abs(v) * (turned([1, 0, -2]) @ [np.cos(u) / np.sqrt(3), np.sin(u) / np.sqrt(3), 1]), 4),
+    "torus": (
+        lambda u, v: np.array([0.1, 0, 0.1])
+        + turned([1, 0, 2]) @ [(0.4 + 0.15 * np.cos(v)) * np.cos(u), (0.4 + 0.15 * np.cos(v)) * np.sin(u), 0.15 * np.sin(v)],
+        4,
+    ),
+}  # fmt: skip
+
+
+def turned(axis):
+    """A rotation whose third column is a direction."""
+    a = np.array(axis) / np.linalg.norm(axis)
+    first = np.linalg.svd(a[None])[2][1]
+    return np.column_stack([first, np.cross(a, first), a])
+
+
+@pytest.mark.parametrize("name", EXACT)
+def test_exact_distances_are_those_of_the_nearest_point(name, rng):
+    """Nearest points of a parametrised surface, searched from a grid and then by descent."""
+    place, reach = EXACT[name]
+    parameters = [(u, v) for u in np.linspace(-reach, reach, 25) for v in np.linspace(-reach, reach, 25)]
+    grid = np.array([place(u, v) for u, v in parameters])
+    for _ in range(6):
+        x = np.array([0.1, 0.0, 0.0]) + 0.2 * rng.normal(size=3)
+        if name == "cone" and MEASURED[name](x) > 0:
+            x = place(*rng.uniform(0.3, 2, 2)) + rng.uniform(0, 0.1) * np.array([0, 1, 0])  # the mantle is nearest
+        start = parameters[np.argmin(np.linalg.norm(grid - x, axis=1))]
+        found = minimize(
+            lambda w, x=x: float(np.sum((place(*w) - x) ** 2)),
+            start,
+            method="Nelder-Mead",
+            options={"xatol": 1e-9, "fatol": 1e-18},
+        )
+        assert abs(MEASURED[name](x)) == pytest.approx(np.sqrt(found.fun), abs=1e-8)
+
+
+def test_known_points_and_signs():
+    assert Measured("plane: {point: [0, 0, 30 cm], normal: [0, 0, 5]}")([1, 2, 0.5]) == pytest.approx(0.2)
+    cone = Measured("cone: {apex: [0, 0, 0], axis: [0, 0, 2], half_angle: 30 deg}")
+    assert cone([1, 0, np.sqrt(3)]) == pytest.approx(0, abs=ROUNDING)
+    assert cone([0.3, 0, 3]) < 0 < cone([2, 0, 1])
+    assert Measured("torus: {centre: [0, 0, 0], axis: [0, 0, 1], ring_radius: 3, tube_radius: 1}")(
+        [3, 0, 1.5]
+    ) == pytest.approx(0.5)
+    valley = Measured('implicit: {expression: "x**2 + y**2 - z"}')
+    assert valley([0.5, 0, 0.25]) == pytest.approx(0, abs=ROUNDING)
+    assert valley([0, 0, 1]) < 0 < valley([1, 0, 0])
+
+
+@pytest.mark.parametrize("kind", ["sphere", "cylinder", "cone", "torus", "ellipsoid", "superellipsoid"])
+def test_inside_turns_the_sign(kind, rng):
+    text = SURFACES[kind]
+    hollow = Measured(text[:-1] + ", side: inside}")
+    for x in 0.3 * rng.normal(size=(3, 3)):
+        for what in ("s", "gradient", "hessian", "normal"):
+            assert np.all(hollow(x, what) == -MEASURED[kind](x, what))
+
+
+ROUND = {  # a surface, a point of it, and its principal curvatures in 1/m
+    "plane": ("plane: {point: [0, 0, 0], normal: [0, 0, 1]}", [1, 2, 0], (0, 0)),
+    "sphere": ("sphere: {centre: [0, 0, 0], radius: r}", [0.2, 0, 0], (5, 5)),
+    "cylinder": ("cylinder: {point: [0, 0, 0], axis: [0, 0, 1], radius: r}", [0.12, 0.16, 1], (0, 5)),
+    "cone": ("cone: {apex: [0, 0, 0], axis: [0, 0, 1], half_angle: 60 deg}", [np.sqrt(3), 0, 1], (0, 0.5 / np.sqrt(3))),
+    "outer equator": ("torus: {centre: [0, 0, 0], axis: [0, 0, 1], ring_radius: 0.5, tube_radius: r}", [0.7, 0, 0], (1 / 0.7, 5)),
+    "inner equator": ("torus: {centre: [0, 0, 0], axis: [0, 0, 1], ring_radius: 0.5, tube_radius: r}", [0.3, 0, 0], (-1 / 0.3, 5)),
+    "valley": ('implicit: {expression: "z - 3*x**2 - y**2"}', [0, 0, 0], (-6, -2)),
+    "gauge of no matter": ('implicit: {expression: "7*(z - 3*x**2 - y**2)*(2 + z)"}', [0, 0, 0], (-6, -2)),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("which", ROUND)
+def test_curvatures_are_known(which):
+    text, at, expected = ROUND[which]
+    measured = Measured(text)
+    assert measured(at) == pytest.approx(0, abs=ROUNDING)
+    assert measured.curvatures(at) == pytest.approx(expected, abs=SECOND)
+
+
+@pytest.mark.parametrize("axes", [(0.2, 0.3, 0.5), (0.5, 0.2, 0.2)])
+def test_an_ellipsoid_bends_by_the_textbook(axes, rng):
+    """Gauss' and mean curvature of x^2/a^2 + y^2/b^2 + z^2/c^2 = 1."""
+    measured, squares = Measured(f"ellipsoid: {{centre: [0, 0, 0], semi_axes: {list(axes)}}}"), np.square(axes)
+    for _ in range(5):
+        direction = rng.normal(size=3)
+        x = direction / np.sqrt(np.sum(direction**2 / squares))
+        across = np.sum(x**2 / squares**2)
+        gauss = 1 / (np.prod(squares) * across**2)
+        mean = (squares.sum() - x @ x) / (2 * np.prod(squares) * across**1.5)
+        first, second = measured.curvatures(x)
+        assert (first * second, (first + second) / 2) == pytest.approx((gauss, mean), rel=1e-10)
+
+
+@pytest.mark.parametrize("radius", [0.2, 3])
+def test_a_round_ellipsoid_is_a_sphere_everywhere(radius, rng):
+    """And a superellipsoid with exponents 2 is the ellipsoid."""
+    sphere = Measured(f"sphere: {{centre: [0.1, 0, d], radius: {radius}}}")
+    ellipsoid = Measured(f"ellipsoid: {{centre: [0.1, 0, d], semi_axes: [{radius}, {radius}, {radius}]}}")
+    for x in rng.normal(size=(4, 3)):
+        for what in ("s", "gradient", "hessian", "normal"):
+            assert ellipsoid(x, what) == pytest.approx(sphere(x, what), rel=1e-10, abs=1e-10)
+
+
+turns = st.lists(st.tuples(st.sampled_from("xyz"), st.floats(-3, 3)), min_size=1, max_size=3)
+moves = st.lists(st.floats(-1, 1), min_size=3, max_size=3)
+
+
+@pytest.mark.parametrize("kind", ["ellipsoid", "superellipsoid", "implicit"])
+@settings(max_examples=8)
+@given(turns=turns, move=moves, place=moves)
+def test_a_surface_moves_as_a_rigid_body(kind, turns, move, place):
+    body, at = {
+        "ellipsoid": ("semi_axes: [0.2, 0.3, 0.5]", "centre"),
+        "superellipsoid": ("semi_axes: [0.2, 0.3, 0.5], exponents: [4, 6]", "centre"),
+        "implicit": ('expression: "z - x**2 + 0.4*y**3 + 2*x"', "position"),
+    }[kind]
+    R, x = rotation(*turns), np.array(place) + 0.01
+    written = ", ".join(f"{{{axis}: {angle!r}}}" for axis, angle in turns)
+    still = Measured(f"{kind}: {{{body}, {at}: [0, 0, 0]}}")
+    moved = Measured(f"{kind}: {{{body}, {at}: {move}, orientation: [{written}]}}")
+    there = R @ x + move
+    assert moved(there) == pytest.approx(still(x), abs=1e-12)
+    assert moved(there, "gradient") == pytest.approx(R @ still(x, "gradient"), rel=1e-9, abs=1e-9)
+    bent = R @ still(x, "hessian") @ R.T
+    assert moved(there, "hessian") == pytest.approx(bent, abs=1e-9 * (1 + np.abs(bent).max()))
+
+
+def test_parameters_stay_symbols(name):
+    """Proofs need the exact dependence: what a parameter does is no part of the constants."""
+    s = signed_distance(surface(SURFACES[name]), ca.SX.sym("x", 3), SYMBOLS)
+    depends = ca.which_depends(s, SYMBOLS.p, 1)
+    assert depends[1]
+    moved = [Measured(SURFACES[name], p=(P[0] + a, P[1] + b))([0.3, 0.2, 0.4]) for a, b in ((0.01, 0), (0, 0.01))]
+    assert [each != MEASURED[name]([0.3, 0.2, 0.4]) for each in moved] == list(depends)
+
+
+def test_the_bend_goes_through_the_coordinates_of_a_mechanism():
+    """J and Phi'' by the chain rule are those of s(x(q))."""
+    symbols = Symbols(SimpleNamespace(n=4, parameters={}, coordinates={}, definitions={}))
+    weights = ca.DM(np.random.default_rng(3).normal(size=(3, 4)))
+    x = 0.3 * ca.sin(weights @ symbols.q) + ca.DM([0.1, 0.2, 0.3])
+    spec = surface("ellipsoid: {centre: [0, 0, 0], semi_axes: [0.2, 0.3, 0.5]}")
+    at_x, phi = bend(spec, x, symbols), signed_distance(spec, x, symbols)
+    x_q = ca.jacobian(x, symbols.q)
+    second = x_q.T @ at_x.hessian @ x_q
+    for k in range(3):
+        second += at_x.gradient[k] * ca.hessian(x[k], symbols.q)[0]
+    difference = ca.vertcat(
+        ca.vec(second - ca.hessian(phi, symbols.q)[0]), x_q.T @ at_x.gradient - ca.gradient(phi, symbols.q)
+    )
+    found = ca.Function("d", [symbols.q], [difference])(np.linspace(0.1, 1, 4))
+    assert np.abs(found.full()).max() < SECOND

@@ -1,5 +1,6 @@
 """Surfaces from a file's text, and what is measured at them in numbers."""
 
+from functools import cache
 from types import SimpleNamespace
 
 import casadi as ca
@@ -72,8 +73,10 @@ class Measured:
         """Give a point of the surface near x, by Newton's method along the gradient."""
         x = np.array(x, dtype=float)
         for _ in range(60):
-            g = self(x, "gradient")
-            x = x - self(x) * g / (g @ g)
+            s, g = self(x), self(x, "gradient")
+            if abs(s) < 1e-15:
+                break
+            x = x - s * g / (g @ g)
         return x
 
 
@@ -106,3 +109,18 @@ SURFACES = {
     "height field": f"height_field: {{x: [-1, 0.8], y: [-d, 9*d], heights: {HEIGHTS.tolist()}, "
     "position: [0, 0, r], orientation: [{z: 40 deg}, {x: 0.1}]}",
 }
+
+
+@cache
+def measured(name):
+    """Give one of these surfaces in numbers."""
+    return Measured(SURFACES[name])
+
+
+@cache
+def points_of(name):
+    """Give some points of it, at a distance from where a distance has no curvature, such as a cone's apex."""
+    rng, one = np.random.default_rng(1993), measured(name)
+    found = [one.onto([0.1, 0.2, 0.1] + 0.3 * rng.normal(size=3)) for _ in range(8)]
+    there = [x for x in found if abs(one(x)) < 1e-13 and np.linalg.norm(x) < 2]
+    return tuple(x for x in there if np.abs(one(x, "hessian")).max() < 200)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from flint import arb, arb_mat
 from tests.certificate.exactly import DIGITAL, digits, holds
-from tests.mechanics.surfaces.given import HEIGHTS, SURFACES, SYMBOLS, Measured, P, surface
+from tests.mechanics.surfaces.given import HEIGHTS, SURFACES, SYMBOLS, Measured, P, measured, surface
 
 from firmtouch.certificate.attraction.expansion import EXPANSIONS, constant, inputs
 from firmtouch.mechanics.balls import BALLS, UNDECIDED
@@ -39,8 +39,8 @@ def by_casadi():
 
 @pytest.mark.parametrize("name", SURFACES)
 def test_balls_hold_a_surface_at_random_points(name, rng):
-    measured, p = Measured(SURFACES[name]), [arb(each) for each in P]
-    for function in (measured.symbolic[each] for each in WHAT):
+    one, p = measured(name), [arb(each) for each in P]
+    for function in (one.symbolic[each] for each in WHAT):
         tape, exact = record(function, BALLS), record(function, DIGITAL)
         for radius in (0.0, 1e-9, 0.01):
             centre = [0.1, 0.2, 0.3] + 0.2 * rng.normal(size=3)
@@ -78,11 +78,11 @@ def test_at_a_knot_balls_are_as_tight_as_between():
 
 def test_a_bent_height_field_is_tight_on_a_knot_too():
     """Both at a knot of x and at one of y, with the gradient and the Hessian of the distance."""
-    measured = Measured(f"height_field: {{x: [-1, 0.8], y: [-0.1, 0.9], heights: {HEIGHTS.tolist()}}}")
+    field = Measured(f"height_field: {{x: [-1, 0.8], y: [-0.1, 0.9], heights: {HEIGHTS.tolist()}}}")
     at = np.array([-0.1, 0.4, 0])
-    at[2] = -measured(at) / measured(at, "normal")[2]  # on the surface, where third derivatives are multiplied by zero
+    at[2] = -field(at) / field(at, "normal")[2]  # on the surface, where third derivatives are multiplied by zero
     for what in ("s", "bent", "gradient", "hessian"):
-        tape = record(measured.symbolic[what], BALLS)
+        tape = record(field.symbolic[what], BALLS)
         (on,), (beside,) = (tape([arb(x, 1e-9) for x in at + move], [arb(0)] * 2) for move in (0, BESIDE))
         assert max(each.rad() for each in on) < 4 * max(each.rad() for each in beside) < arb(1e-4)
 

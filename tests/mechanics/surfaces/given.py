@@ -1,6 +1,6 @@
 """Surfaces from a file's text, and what is measured at them in numbers."""
 
-from functools import cache
+from functools import cache, cached_property
 from types import SimpleNamespace
 
 import casadi as ca
@@ -51,9 +51,14 @@ class Measured:
         outputs = {"s": plain, "bent": at_x.value, "gradient": at_x.gradient, "hessian": at_x.hessian}
         outputs["normal"] = normal(self.spec, x, SYMBOLS)
         self.symbolic = {name: ca.Function(name, [x, SYMBOLS.p], [ca.densify(each)]) for name, each in outputs.items()}
-        hessian, gradient = ca.hessian(plain, x)
-        self.by_casadi = ca.Function("d", [x, SYMBOLS.p], [ca.densify(gradient), ca.densify(hessian)])
         self.p = p
+
+    @cached_property
+    def by_casadi(self):
+        """Give the gradient and the Hessian that CasADi makes of s."""
+        x = ca.SX.sym("x", 3)
+        hessian, gradient = ca.hessian(signed_distance(self.spec, x, SYMBOLS), x)
+        return ca.Function("d", [x, SYMBOLS.p], [ca.densify(gradient), ca.densify(hessian)])
 
     def __call__(self, x, what="s"):
         value = self.symbolic[what](x, self.p).full()

@@ -25,14 +25,14 @@ WHAT = ("s", "gradient", "hessian", "normal")
 
 def spline(third=False):
     t = ca.SX.sym("t")
-    columns = basis(t, len(VALUES)).derivatives[: 4 if third else 3]
+    columns = basis(t, len(VALUES))[: 4 if third else 3]
     return ca.Function("f", [t], [ca.vertcat(*(ca.dot(ca.DM(coefficients(VALUES)), each) for each in columns))])
 
 
 def by_casadi():
     """The same derivatives by differentiating the value, as a plant's are found."""
     t = ca.SX.sym("t")
-    value = ca.dot(ca.DM(coefficients(VALUES)), basis(t, len(VALUES)).derivatives[0])
+    value = ca.dot(ca.DM(coefficients(VALUES)), basis(t, len(VALUES))[0])
     slope = ca.gradient(value, t)
     return ca.Function("f", [t], [ca.vertcat(value, slope, ca.gradient(slope, t))])
 

@@ -15,7 +15,6 @@ on, comparisons do not switch.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
@@ -36,22 +35,14 @@ def coefficients(values: Array) -> Array:
     return frozen(np.linalg.solve(A, np.concatenate([values, np.zeros((2, *values.shape[1:]))])))
 
 
-@dataclass(frozen=True, slots=True)
-class Basis:
-    """The n + 2 basis functions at t, which counts cells, and their derivatives by t up to the third: columns."""
-
-    derivatives: tuple[ca.SX, ca.SX, ca.SX, ca.SX]
-
-
-def basis(t: ca.SX, n: int) -> Basis:
-    """Evaluate the basis of n knots."""
+def basis(t: ca.SX, n: int) -> tuple[ca.SX, ...]:
+    """Give the n + 2 basis functions at t, which counts cells, and their first three derivatives by t: columns."""
     beyond = {k: ca.SX(k < t) if 0 < k < n - 1 else ca.SX(int(k <= 0)) for k in range(-3, n + 3)}
     rows = [
         _bump(t - i, beyond[i], beyond[i + 1], 1 - beyond[i - 1], beyond[i - 2] * (1 - beyond[i + 2]))
         for i in range(-1, n + 1)
     ]
-    value, first, second, third = (ca.vertcat(*column) for column in zip(*rows, strict=True))
-    return Basis((value, first, second, third))
+    return tuple(ca.vertcat(*column) for column in zip(*rows, strict=True))
 
 
 def _bump(s: ca.SX, positive: ca.SX, right: ca.SX, left: ca.SX, inside: ca.SX) -> Sequence[ca.SX]:

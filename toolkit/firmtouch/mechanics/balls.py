@@ -58,8 +58,8 @@ def is_less(x: Ball, y: Ball) -> Ball:
     No expression of a file can compare, nor does CasADi by itself. Only surfaces do (`surfaces/spline.py`,
     `superellipsoid.py`), and there each comparison is a factor of t^k, k >= 3, which it switches at t = 0: what is
     switched is C^2, and its derivatives k t^(k-1), k (k-1) t^(k-2), ... have the same factor. So [0, 1] encloses the
-    value and the first two derivatives, the more tightly the smaller t is, and of the third both values between which
-    it jumps.
+    value and the first two derivatives, the more tightly the smaller t is, and of the third, which is bounded, both
+    values between which it jumps: that is enough for mean values, as what it is the slope of is Lipschitz.
     """
     return arb(1) if x < y else arb(0) if x >= y else UNDECIDED
 

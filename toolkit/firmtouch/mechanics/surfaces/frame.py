@@ -21,7 +21,7 @@ def unit(vector: ca.SX) -> ca.SX:
 
 
 def length(vector: ca.SX) -> ca.SX:
-    """Give |v|; it is no number's derivative at zero."""
+    """Give |v|; at zero it has no derivative."""
     return ca.sqrt(ca.sumsqr(vector))
 
 

@@ -51,8 +51,8 @@ class Heights:
             self._steps.append(step)
             t.append((at - start) / step)
         self._C = frozen(coefficients(coefficients(heights).T).T)
-        self._along = basis(t[0], n[0]).derivatives
-        self._across = basis(t[1], n[1]).derivatives
+        self._along = basis(t[0], n[0])
+        self._across = basis(t[1], n[1])
         self._products: dict[int, ca.SX] = {}
 
     def __call__(self, a: int, b: int) -> ca.SX:
@@ -69,16 +69,15 @@ def expand(field: HeightField, x: ca.SX, symbols: Symbols) -> tuple[ca.SX, ca.SX
     y = into_frame(x, field.position, R, symbols)
     h = Heights(field, y, symbols)
     orders = [(a, b) for a in range(4) for b in range(4 - a)]
-    d, coefficients_ = ca.SX.sym("d", 3), ca.SX.sym("h", len(orders) + 1)
+    d, jets = ca.SX.sym("d", 3), ca.SX.sym("h", len(orders) + 1)
     terms = [
-        coefficients_[i] * d[0] ** a * d[1] ** b / (math.factorial(a) * math.factorial(b))
-        for i, (a, b) in enumerate(orders)
+        jets[i] * d[0] ** a * d[1] ** b / (math.factorial(a) * math.factorial(b)) for i, (a, b) in enumerate(orders)
     ]
-    f = coefficients_[-1] + d[2] - sum(terms, ca.SX(0))
+    f = jets[-1] + d[2] - sum(terms, ca.SX(0))
     s = f / length(ca.gradient(f, d))
     hessian, gradient = ca.hessian(s, d)
     values = ca.vertcat(*(h(a, b) for a, b in orders), y[2])
-    at_x = ca.Function("jet", [d, coefficients_], [s, gradient, hessian])
+    at_x = ca.Function("jet", [d, jets], [s, gradient, hessian])
     value, gradient, hessian = at_x(ca.SX.zeros(3), values)
     return value, R @ gradient, R @ hessian @ R.T
 

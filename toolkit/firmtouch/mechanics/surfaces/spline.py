@@ -6,14 +6,15 @@ With s = t - i, the basis function of knot i has |s| < 2 as its support and is t
 
 Every comparison is a factor of a cube (or, at |s| = 2, of what has become one) that vanishes where it switches, so its
 derivatives of order 0, 1, 2 are continuous, and what a ball around a knot does not decide is multiplied by something
-small. Numbers stay of size one: sums of all truncated powers over the grid would cancel, in balls without bound. The
-comparisons do not switch at the grid's ends, beyond which the cubics of the outer cells go on.
+small. That holds for the derivatives as they are written here; those that CasADi makes of the value are enclosed too,
+but not tightly at a knot, as its rules multiply [|s| < 2] out. Numbers stay of size one: sums of all truncated powers
+over the grid would cancel, in balls without bound. At the grid's ends, beyond which the cubics of the outer cells go
+on, comparisons do not switch.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
@@ -34,22 +35,14 @@ def coefficients(values: Array) -> Array:
     return frozen(np.linalg.solve(A, np.concatenate([values, np.zeros((2, *values.shape[1:]))])))
 
 
-@dataclass(frozen=True, slots=True)
-class Basis:
-    """The n + 2 basis functions at t, which counts cells, and their derivatives by t up to the third: columns."""
-
-    derivatives: tuple[ca.SX, ca.SX, ca.SX, ca.SX]
-
-
-def basis(t: ca.SX, n: int) -> Basis:
-    """Evaluate the basis of n knots."""
+def basis(t: ca.SX, n: int) -> tuple[ca.SX, ...]:
+    """Give the n + 2 basis functions at t, which counts cells, and their first three derivatives by t: columns."""
     beyond = {k: ca.SX(k < t) if 0 < k < n - 1 else ca.SX(int(k <= 0)) for k in range(-3, n + 3)}
     rows = [
         _bump(t - i, beyond[i], beyond[i + 1], 1 - beyond[i - 1], beyond[i - 2] * (1 - beyond[i + 2]))
         for i in range(-1, n + 1)
     ]
-    value, first, second, third = (ca.vertcat(*column) for column in zip(*rows, strict=True))
-    return Basis((value, first, second, third))
+    return tuple(ca.vertcat(*column) for column in zip(*rows, strict=True))
 
 
 def _bump(s: ca.SX, positive: ca.SX, right: ca.SX, left: ca.SX, inside: ca.SX) -> Sequence[ca.SX]:

@@ -34,7 +34,7 @@ from firmtouch.modelfile.sections.surface import (
 
 @dataclass(frozen=True, slots=True)
 class Bend:
-    """A signed distance at a point, in m: `value`, `gradient` (3), and `hessian` (3 x 3, in 1/m)."""
+    """A signed distance in m, its `gradient` and its `hessian`: by a point x (3), or by coordinates q (n)."""
 
     value: ca.SX
     gradient: ca.SX
@@ -62,9 +62,8 @@ def normal(surface: SurfaceSpec, x: ca.SX, symbols: Symbols) -> ca.SX:
 def bend(surface: SurfaceSpec, x: ca.SX, symbols: Symbols) -> Bend:
     """Give s with its first two derivatives by x.
 
-    Through the coordinates of a mechanism, x(q), they are J = (grad s)^T x_q and
-    Phi'' = x_q^T s'' x_q + sum_k (grad s)_k x_k''. For a height field this is a tenth of the instructions of what
-    CasADi makes of s(x(q)), and never more for the others.
+    Those of a height field are written out, in balls tightly on its knots too; CasADi's own would not be tight there,
+    and are eight times as many instructions through the coordinates of a large arm.
     """
     if surface.height_field is not None:
         return Bend(*height_field.expand(surface.height_field, x, symbols))
@@ -72,6 +71,16 @@ def bend(surface: SurfaceSpec, x: ca.SX, symbols: Symbols) -> Bend:
     s = signed_distance(surface, at, symbols)
     hessian, gradient = ca.hessian(s, at)
     return Bend(*ca.substitute([s, gradient, hessian], [at], [x]))
+
+
+def bend_along(surface: SurfaceSpec, x: ca.SX, q: ca.SX, symbols: Symbols) -> Bend:
+    """Give phi(q) = s(x(q)) with its first two derivatives by q (n): a row of J, and Phi''.
+
+    phi_q = x_q^T s_x,  phi_qq = x_q^T s_xx x_q + sum_k (s_x)_k (x_k)_qq.
+    """
+    at_x, x_q, g = bend(surface, x, symbols), ca.jacobian(x, q), ca.SX.sym("g", 3)
+    carried = ca.substitute(ca.hessian(ca.dot(g, x), q)[0], g, at_x.gradient)
+    return Bend(at_x.value, x_q.T @ at_x.gradient, x_q.T @ at_x.hessian @ x_q + carried)
 
 
 def _side(surface: SurfaceSpec) -> int:

@@ -33,7 +33,6 @@ from firmtouch.modelfile.fields import (
 from firmtouch.modelfile.sections.heights import Heights, Span
 from firmtouch.modelfile.sections.mechanism import Rotations
 from firmtouch.modelfile.sections.section import Section
-from firmtouch.modelfile.units import parse_unit
 
 HIGHEST_EXPONENT: Final = 32
 """Of a superellipsoid: its edges are then rounded with about 1/30 of its size."""
@@ -71,17 +70,19 @@ def _exponents(raw: object, info: ValidationInfo) -> tuple[float, float]:
 
 
 def _level(raw: object, info: ValidationInfo) -> Expression:
-    """Read f(x, y, z), whose names are the surface's own coordinates and the parameters."""
+    """Read f(x, y, z), whose names are the surface's own coordinates and the parameters.
+
+    All of them are plain numbers here: surfaces are written as `x**2 + y**2 - z`, which mixes powers of metres.
+    """
     known = declared(info)
     taken = [f"`{axis}`" for axis in AXES if axis in known.parameters]
     if taken:
         refuse(
             Problem(f"{', '.join(taken)} would be a coordinate of the surface here, and is a parameter too: rename it")
         )
-    metres = dict.fromkeys(AXES, Kind(parse_unit("m").dimension))
-    hidden = known.constant().hidden
-    own = Declarations({**known.parameters, **metres}, hidden={k: v for k, v in hidden.items() if k not in AXES})
-    found = read_expression(raw, own)
+    numbers = {name: Kind(known=kind.known) for name, kind in known.parameters.items()} | dict.fromkeys(AXES, Kind())
+    hidden = {name: why for name, why in known.constant().hidden.items() if name not in AXES}
+    found = read_expression(raw, Declarations(numbers, hidden=hidden))
     if not found.names & set(AXES):
         refuse(Problem("a surface in which none of x, y, z stands"))
     return found
@@ -183,7 +184,7 @@ class Implicit(Section):
     """A surface f(x, y, z) = 0; f > 0 is outside."""
 
     expression: Annotated[Expression, Checked(_level, EXPRESSION_SCHEMA)] = Field(
-        description="f, of x, y, z in metres in the surface's frame and of parameters; its unit is of no matter"
+        description="f, of x, y, z in the surface's frame and of parameters, all plain numbers in SI"
     )
     position: Place | None = Field(None, description=_POSITION)
     orientation: Turns = Field((), description=_ORIENTATION)

@@ -53,7 +53,7 @@ def stopped_after(limit: float) -> Iterator[None]:
 def by_firmtouch(tree: KinematicTree) -> dict[str, Any]:
     """Derive and linearise at the operating point."""
     inputs, outputs = expressions(tree)
-    function = ca.Function("linearised", inputs, ca.cse([ca.densify(each) for each in outputs.values()]))
+    function = ca.Function("linearised", inputs, [ca.densify(each) for each in outputs.values()])
     values = dict(zip(outputs, (each.full() for each in function(GUESS, np.zeros(tree.n))), strict=True))
     split = split_directions(values["J"])
     return values | {"blocks of M": split.blocks(values["M"]), "blocks of N0": split.blocks(values["N0"])}

@@ -23,7 +23,6 @@ from firmtouch.mechanics.evaluation import build_evaluator
 from firmtouch.mechanics.tree import (
     KinematicTree,
     build_tree,
-    frame_jacobian,
     frame_pose,
     mass_matrix,
     planar_chain,
@@ -55,7 +54,7 @@ def expressions(tree: KinematicTree) -> tuple[list[ca.SX], dict[str, ca.SX]]:
     q, qdot = ca.SX.sym("q", tree.n), ca.SX.sym("qdot", tree.n)
     position, _ = frame_pose(tree, list(tree.frames)[-1], q)
     phi = ca.dot(ca.DM(NORMAL), position)
-    J = ca.DM(NORMAL).T @ frame_jacobian(tree, list(tree.frames)[-1], q)[:3, :]
+    J = ca.jacobian(phi, q)
     return [q, qdot], {
         "M": mass_matrix(tree, q),
         "theta": theta(tree, q, qdot),

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import firmtouch.mechanics.compiled as module
+from firmtouch.mechanics import library_cache
 from firmtouch.mechanics.compiled import MOST_INSTRUCTIONS, When, compiled, find_compiler
 from firmtouch.mechanics.library_cache import open_cache
 
@@ -225,6 +226,27 @@ def test_what_others_could_have_written_is_not_loaded(cache, monkeypatch, which,
     else:
         monkeypatch.setattr(os, "getuid", lambda: 12345)
     assert compiled(functions, when=When.CACHED) == functions
+
+
+def test_the_cache_does_not_grow_for_ever(cache, monkeypatch):
+    monkeypatch.setattr(library_cache, "MOST_LIBRARIES", 2)
+    functions = swing()
+    compiled(functions)
+    kept = open_cache()
+    for age, key in enumerate(("old", "older", "oldest"), start=1):
+        with kept.writing(key) as target:
+            target.write_bytes(b"")
+        os.utime(cache / f"{key}.so", (1e9 - age, 1e9 - age))
+    left, fresh = cache / "left.tmp", cache / "fresh.tmp"
+    for each in (left, fresh):
+        each.write_bytes(b"")
+    os.utime(left, (1e9, 1e9))
+    assert kept.find("older") is not None  # which is a use of it
+    kept.tidy()
+    (ours,) = [each.stem for each in libraries(cache) if each.stem != "older"]
+    names = {each.name for each in cache.iterdir()}
+    assert names == {f"{ours}.so", f"{ours}.sha256", "older.so", "older.sha256", "fresh.tmp"}
+    assert is_compiled(compiled(functions, when=When.CACHED))
 
 
 def test_compiled_functions_can_be_sent_to_another_process(cache, rng):

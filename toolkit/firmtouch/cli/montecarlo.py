@@ -85,7 +85,7 @@ def _study(arguments: argparse.Namespace, progress: Callable[[str], None]) -> tu
     base, sets = _base(arguments, model, loop)
     regions = _regions(arguments, loop, progress)
     progress("deriving the closed loop")
-    return model, build_study(loop, base, sets, seed=arguments.seed, regions=regions)
+    return model, build_study(loop, base, sets, seed=arguments.seed, regions=regions, runs=arguments.runs)
 
 
 def _base(arguments: argparse.Namespace, model: ModelFile, loop: ClosedLoop) -> tuple[Scenario, Sets]:

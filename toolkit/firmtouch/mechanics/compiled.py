@@ -121,6 +121,7 @@ def _library(functions: list[ca.Function], when: When) -> Path:
     found = cache.find(key)
     if found is None and when is When.NOW:
         _compile(source, compiler, cache, key)
+        cache.tidy()
         found = cache.find(key)
     if found is None:
         raise NotCompiledError("this is not compiled yet")

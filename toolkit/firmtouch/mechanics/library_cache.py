@@ -11,6 +11,7 @@ import hashlib
 import os
 import stat
 import tempfile
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
@@ -18,6 +19,10 @@ from pathlib import Path
 from typing import Final
 
 OTHERS_WRITE: Final = stat.S_IWGRP | stat.S_IWOTH
+MOST_LIBRARIES: Final = 200
+"""Of up to 2 MB each. What has not been used for the longest time goes first."""
+LEFT_OVER: Final = 24 * 3600.0
+"""Seconds after which a temporary file is one of a process that was killed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +40,11 @@ class LibraryCache:
             whole = hashlib.sha256(library.read_bytes()).hexdigest() == checksum.read_text(encoding="ascii").strip()
         except (OSError, UnicodeDecodeError):
             return None
-        return library if whole else None
+        if not whole:
+            return None
+        with suppress(OSError):
+            os.utime(library)  # used now
+        return library
 
     @contextmanager
     def writing(self, key: str) -> Iterator[Path]:
@@ -57,6 +66,17 @@ class LibraryCache:
         finally:
             for each in made:
                 with suppress(OSError):
+                    each.unlink(missing_ok=True)
+
+    def tidy(self) -> None:
+        """Delete the libraries that have not been used for the longest time, and what killed processes left over."""
+        with suppress(OSError):  # another process may tidy up at the same time
+            by_use = sorted(self.directory.glob("*.so"), key=lambda each: each.stat().st_mtime, reverse=True)
+            for library in by_use[MOST_LIBRARIES:]:
+                for each in self._paths(library.stem):
+                    each.unlink(missing_ok=True)
+            for each in self.directory.glob("*.tmp"):
+                if time.time() - each.stat().st_mtime > LEFT_OVER:
                     each.unlink(missing_ok=True)
 
     def _paths(self, key: str) -> tuple[Path, Path]:

@@ -56,11 +56,13 @@ def nominal_scenario(loop: ClosedLoop) -> Scenario:
     )
 
 
-def build_study(loop: ClosedLoop, base: Scenario, sets: Sets, *, seed: int, regions: tuple[Region, ...] = ()) -> Study:
-    """Derive the equations of all runs, once."""
+def build_study(
+    loop: ClosedLoop, base: Scenario, sets: Sets, *, seed: int, regions: tuple[Region, ...] = (), runs: int = 1
+) -> Study:
+    """Derive the equations of all runs, once; for many `runs` around the scenario they are worth compiling."""
     bilateral = _bilateral(loop)
     insiders = tuple(build_simulator(bilateral, _inside(bilateral, each)) for each in PROVEN) if regions else ()
-    return Study(loop, base, sets, seed, regions, bilateral, build_simulator(loop, base), insiders)
+    return Study(loop, base, sets, seed, regions, bilateral, build_simulator(loop, base, runs=runs), insiders)
 
 
 def run_labelled(study: Study, label: Label) -> tuple[Record, Trajectory | None]:

@@ -13,6 +13,7 @@ import numpy as np
 
 from firmtouch.mechanics import Array
 from firmtouch.simulation.dae import Dae, parameters_of
+from firmtouch.simulation.many import with_fast_rate
 from firmtouch.simulation.samples import Samples, joined, observed
 from firmtouch.simulation.world import World
 
@@ -44,16 +45,17 @@ class Integrator:
         return found if np.all(np.isfinite(found)) else None
 
 
-def build_integrator(dae: Dae, tolerance: float, points: Array) -> Integrator:
+def build_integrator(dae: Dae, tolerance: float, points: Array, *, runs: int = 1) -> Integrator:
     """Set up CVODES: Adams-Moulton of order 1 to 12, its equations solved by Newton's method with exact Jacobians.
 
     Arms swing more than they are stiff: at one cost, these keep the energy better than backward differences do. Time
     counts in parts of a stretch. `tolerance` is the relative and the absolute one (in rad, m, and these per second).
+    For many `runs` to come, the equations are compiled, if that can be done.
     """
     s, x = ca.SX.sym("s"), ca.SX.sym("x", dae.states)
     column, span = ca.SX.sym("parameters", dae.layout.size), ca.SX.sym("span", 2)
     rate = span[1] * dae.rate(span[0] + span[1] * s, x, column)
-    equations = {"t": s, "x": x, "p": ca.vertcat(column, span), "ode": rate}
+    equations = with_fast_rate({"t": s, "x": x, "p": ca.vertcat(column, span), "ode": rate}, runs)
     options: dict[str, Any] = {
         "abstol": tolerance,
         "reltol": tolerance,

@@ -15,6 +15,7 @@ from firmtouch.regulation.equilibrium import Equilibrium, NoEquilibriumError, so
 from firmtouch.simulation.continuous import ContinuousRun, Integrator, build_integrator, even_points
 from firmtouch.simulation.dae import Dae, Input, derive_dae, parameters_of
 from firmtouch.simulation.ending import contact_signs, force_scale, lost_contact, ran_away
+from firmtouch.simulation.many import with_fast_outputs
 from firmtouch.simulation.samples import Samples
 from firmtouch.simulation.scenario import Scenario
 from firmtouch.simulation.start import consistent_start
@@ -37,12 +38,14 @@ class Simulator:
     machine: Integrator | Stepper
 
 
-def build_simulator(loop: ClosedLoop, scenario: Scenario, *, tolerance: float = TOLERANCE) -> Simulator:
-    """Derive the equations of a scenario's feedback, and set up their integrator."""
+def build_simulator(loop: ClosedLoop, scenario: Scenario, *, tolerance: float = TOLERANCE, runs: int = 1) -> Simulator:
+    """Derive the equations of a scenario's feedback, and set up their integrator, for a number of `runs` to come."""
     dae = derive_dae(loop, scenario.feedback, sinusoids=len(scenario.world.sinusoids))
     stepwise = dae.input in (Input.HELD, Input.REMEMBERED)
-    machine = build_stepper(dae, tolerance) if stepwise else build_integrator(dae, tolerance, even_points())
-    return Simulator(dae, machine)
+    if stepwise:
+        return Simulator(dae, build_stepper(dae, tolerance))
+    machine = build_integrator(dae, tolerance, even_points(), runs=runs)
+    return Simulator(with_fast_outputs(dae, runs), machine)
 
 
 def simulate(

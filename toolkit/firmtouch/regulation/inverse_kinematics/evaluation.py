@@ -15,7 +15,6 @@ from firmtouch.regulation.inverse_kinematics.solution import Solution
 
 RANK: Final = 1e-7
 """Singular values below this part of the largest count as zero; those of a solution that is singular are about 1e-8."""
-SEED: Final = 19930601
 UNLIMITED_SLIDE: Final = 1.0
 """Where an unlimited slide is searched: within this many metres of zero."""
 EDGE: Final = 1e-9
@@ -42,7 +41,7 @@ class Evaluation:
         self._rank = max(1, *(int(np.sum(each > RANK * each[0])) for each in values))
 
     def starts(self, count: int) -> Array:
-        """Spread configurations within the limits, angles over one turn at most: the middle, then at random."""
+        """Spread configurations within the limits, angles over one turn at most: the middle, then evenly."""
         half = np.where(self.reach.revolves, np.pi, UNLIMITED_SLIDE)
         lower, upper = self.reach.lower, self.reach.upper
         wide = ~self.limited | (np.array(self.reach.revolves) & (upper - lower > 2 * half))
@@ -50,8 +49,7 @@ class Evaluation:
         middle = np.clip(0.0, lower + half, upper - half)
         begin = np.where(wide, middle - half, lower)
         end = np.where(wide, middle + half, upper)
-        spread = np.random.default_rng(SEED).random((count - 1, self.reach.n))
-        return frozen(np.vstack([(begin + end)[None, :] / 2, begin + spread * (end - begin)]))
+        return frozen(np.vstack([(begin + end)[None, :] / 2, begin + spread(count - 1, self.reach.n) * (end - begin)]))
 
     def rank(self, q: Array) -> int:
         """Count in how many directions r changes with q."""
@@ -111,3 +109,14 @@ class Evaluation:
         """Give the distances to the lower and the upper limits as parts of the ranges."""
         lower, upper, at = (each[self.limited] for each in (self.reach.lower, self.reach.upper, q))
         return (at - lower) / (upper - lower), (upper - at) / (upper - lower)
+
+
+def spread(count: int, n: int) -> Array:
+    """Give the first points of a sequence that fills the unit cube evenly (count x n): k alpha, modulo one.
+
+    alpha_i = g^-i with g^(n+1) = g + 1: the golden ratio for n = 1, and its like in more dimensions.
+    """
+    g = 2.0
+    for _ in range(60):
+        g = (1 + g) ** (1 / (n + 1))
+    return frozen((0.5 + np.outer(np.arange(1, count + 1), g ** -np.arange(1.0, n + 1))) % 1.0)

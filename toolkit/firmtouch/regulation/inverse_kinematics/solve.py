@@ -14,10 +14,10 @@ from firmtouch.regulation.inverse_kinematics.reach import Reach
 from firmtouch.regulation.inverse_kinematics.solution import FARTHEST, NEAREST, Reached, Solution, order
 from firmtouch.regulation.inverse_kinematics.steps import Cost, Descent, descend, polish, slide
 
-MOST_STARTS: Final = 96
-IDLE: Final = 40
+MOST_STARTS: Final = 128
+IDLE: Final = 96
 """A search ends after so many starts in a row without a new solution ..."""
-KNOWN_PLACE: Final = 6
+KNOWN_PLACE: Final = 15
 """... of which one that arrives at a known place of a continuum counts for so many: places are few."""
 UNLIMITED_STARTS: Final = 32
 """Without limits there are more solutions and no dead ends at limits, so fewer starts meet one."""

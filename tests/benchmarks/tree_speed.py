@@ -1,9 +1,9 @@
 """How long arms' equations take at one state, called from Python, against Pinocchio's CRBA and RNEA on the same states.
 
 Ours are one compiled function through an `Evaluator`, with a new q and q' for each call; Pinocchio is called as its
-users call it: `crba` and `rnea`, each on the arrays. Both take turns in one run. `M, theta` is what both compute;
-`all` is ours with what a constrained arm needs besides: J and J'q' of a plane that the tool touches, and N_0 = P_qq -
-lambda phi''.
+users call it: `crba` and `rnea`, each on the arrays. Both take turns in one run. `M, theta` is what both compute; `all`
+is ours with what a constrained arm needs besides: J and J'q' of a plane that the tool touches, and N_0 = P_qq - lambda
+phi''. Without a C compiler CasADi's virtual machine takes several times as long, and the figures say so.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ import pinocchio as pin
 from tests.benchmarks.measure import ROOT, Figure, seconds
 
 from firmtouch.mechanics import Array
-from firmtouch.mechanics.compiled import compiled
+from firmtouch.mechanics.compiled import compiled, find_compiler
 from firmtouch.mechanics.evaluation import build_evaluator
 from firmtouch.mechanics.tree import (
     KinematicTree,
@@ -123,10 +123,16 @@ def against_pinocchio(name: str, arms: dict[str, Arm]) -> list[Figure]:
         theirs, ours = microseconds(arm, fused(arm.tree, "M", "theta"), fused(arm.tree))
         for found, each in zip(ratios.values(), ours, strict=True):
             found.append((each / theirs, f"{label}{each:.2f} us against {theirs:.2f}"))
+    slow = "" if find_compiler() else "without a C compiler! "
     bounds = {"M, theta": SLOWER, "all": SLOWER_WITH_ALL}
     return [
         Figure(
-            f"{name}: {what} / Pinocchio", max(found)[0], "<=", bounds[what], "", "; ".join(words for _, words in found)
+            f"{name}: {what} / Pinocchio",
+            max(found)[0],
+            "<=",
+            bounds[what],
+            "",
+            slow + "; ".join(words for _, words in found),
         )
         for what, found in ratios.items()
     ]

@@ -228,6 +228,22 @@ def test_what_others_could_have_written_is_not_loaded(cache, monkeypatch, which,
     assert compiled(functions, when=When.CACHED) == functions
 
 
+def test_two_processes_may_write_the_same_library(cache):
+    shared = open_cache()
+    with shared.writing("key") as one:
+        one.write_bytes(b"first")
+        with shared.writing("key") as two:
+            two.write_bytes(b"second")
+            assert shared.find("key") is None
+        assert shared.find("key").read_bytes() == b"second"
+    assert shared.find("key").read_bytes() == b"first"
+    with pytest.raises(ZeroDivisionError), shared.writing("key") as three:
+        three.write_bytes(b"half of")
+        raise ZeroDivisionError  # what fails on the way leaves all as it was
+    assert shared.find("key").read_bytes() == b"first"
+    assert len(list(cache.iterdir())) == 2
+
+
 def test_the_cache_does_not_grow_for_ever(cache, monkeypatch):
     monkeypatch.setattr(library_cache, "MOST_LIBRARIES", 2)
     functions = swing()

@@ -86,7 +86,7 @@ def energies(tree: KinematicTree) -> tuple[Any, Any, Any, list[Any], list[Any], 
         w = R.T * sum((axis * each for axis, each in axes), sp.zeros(3, 1))  # a chain: every joint before turns it
         K += m * v.dot(v) / 2 + (w.T * about_centre * w)[0] / 2
         P -= m * sp.Matrix(tree.gravity).dot(centre)
-    frame = tree.frames[str(tree.tool)]
+    frame = tree.frames[list(tree.frames)[-1]]
     R, p = poses[frame.body]
     phi = sp.Matrix(NORMAL).dot(p + R * sp.Matrix(frame.placement.p))
     return K, P, phi, q, qdot, ReferenceFrame("N")

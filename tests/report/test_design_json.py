@@ -58,6 +58,12 @@ def near(actual, expected, tolerance=EXACT):
     np.testing.assert_allclose(actual, expected, rtol=0, atol=tolerance * scale)
 
 
+def digest(path, model):
+    """The file, and behind it the files that it names: `cat model.yaml arm.urdf | sha256sum`."""
+    attached = b"".join((path.parent / each).read_bytes() for each in model.attached)
+    return hashlib.sha256(path.read_bytes() + attached).hexdigest()
+
+
 def leaves(value) -> Iterator[object]:
     if isinstance(value, dict | list):
         for each in value.values() if isinstance(value, dict) else value:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import casadi as ca
@@ -51,6 +52,12 @@ class Evaluator:
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle the function alone: memory is of one process."""
         return build_evaluator, (self.function,)
+
+
+@lru_cache(maxsize=256)
+def evaluator_of(function: ca.Function) -> Evaluator:
+    """Give the evaluator of a function, made once for as long as it is among the last ones that were used."""
+    return build_evaluator(function)
 
 
 def build_evaluator(function: ca.Function) -> Evaluator:

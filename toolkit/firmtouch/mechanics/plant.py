@@ -8,9 +8,10 @@ import casadi as ca
 import numpy as np
 
 from firmtouch.mechanics.arm import arm_of
-from firmtouch.mechanics.arrays import Array, Vector, call, call_vector, frozen, symmetric
+from firmtouch.mechanics.arrays import Array, Vector, frozen, symmetric
 from firmtouch.mechanics.constraints import constraints_of
 from firmtouch.mechanics.equations import equations_of
+from firmtouch.mechanics.evaluation import evaluator_of
 from firmtouch.mechanics.symbols import Symbols
 from firmtouch.modelfile import ModelSpec
 
@@ -45,44 +46,48 @@ class Plant:
 
     def M(self, q: Vector) -> Array:
         """Inertia matrix, n x n."""
-        return symmetric(call(self.functions["M"], q, self.p))
+        return symmetric(self._evaluate("M", q))
 
     def theta(self, q: Vector, qdot: Vector) -> Array:
         """Centrifugal, Coriolis and gravity forces of Eq. (4), n."""
-        return call_vector(self.functions["theta"], q, qdot, self.p)
+        return frozen(self._evaluate("theta", q, qdot)[:, 0])
 
     def Phi(self, q: Vector) -> Array:
         """Constraint functions of Eq. (1), m."""
-        return call_vector(self.functions["Phi"], q, self.p)
+        return frozen(self._evaluate("Phi", q)[:, 0])
 
     def J(self, q: Vector) -> Array:
         """Constraint Jacobian dPhi/dq, m x n."""
-        return call(self.functions["J"], q, self.p)
+        return frozen(self._evaluate("J", q))
 
     def Jdot_qdot(self, q: Vector, qdot: Vector) -> Array:
         """J' q', m: the part of Phi'' without q''."""
-        return call_vector(self.functions["Jdot_qdot"], q, qdot, self.p)
+        return frozen(self._evaluate("Jdot_qdot", q, qdot)[:, 0])
 
     def K(self, q: Vector, qdot: Vector) -> float:
         """Kinetic energy."""
-        return float(self.functions["K"](q, qdot, self.p))
+        return float(self._evaluate("K", q, qdot)[0, 0])
 
     def P(self, q: Vector) -> float:
         """Potential energy."""
-        return float(self.functions["P"](q, self.p))
+        return float(self._evaluate("P", q)[0, 0])
 
     def P_q(self, q: Vector) -> Array:
         """Gradient of the potential energy, n."""
-        return call_vector(self.functions["P_q"], q, self.p)
+        return frozen(self._evaluate("P_q", q)[:, 0])
 
     def P_qq(self, q: Vector) -> Array:
         """Hessian of the potential energy, n x n."""
-        return symmetric(call(self.functions["P_qq"], q, self.p))
+        return symmetric(self._evaluate("P_qq", q))
 
     def Phi_qq(self, q: Vector) -> Array:
         """Constraint Hessians, m x n x n."""
-        stacked = call(self.functions["Phi_qq"], q, self.p)
+        stacked = self._evaluate("Phi_qq", q)
         return frozen(np.stack([symmetric(each) for each in np.hsplit(stacked, self.m)]))
+
+    def _evaluate(self, name: str, *state: Vector) -> Array:
+        """Evaluate a function; the next evaluation of it writes over what is given."""
+        return evaluator_of(self.functions[name])(*state, self.p)[0]
 
 
 def derive_plant(spec: ModelSpec) -> Plant:
@@ -96,19 +101,19 @@ def derive_plant(spec: ModelSpec) -> Plant:
     symbols = Symbols(spec)
     q, qdot, p = symbols.q, symbols.qdot, symbols.p
     arm = arm_of(spec, symbols)
-    motion, Phi = equations_of(spec, symbols, arm), constraints_of(spec, symbols, arm)
-    J, P_q = ca.jacobian(Phi, q), ca.gradient(motion.P, q)
+    motion, rows = equations_of(spec, symbols, arm), constraints_of(spec, symbols, arm)
+    P_q = ca.gradient(motion.P, q)
     outputs = {
         "K": motion.K,
         "M": motion.M,
         "theta": motion.theta,
-        "Jdot_qdot": ca.jtimes(J @ qdot, q, qdot),
+        "Jdot_qdot": ca.vertcat(*(each.rate(q, qdot) for each in rows)),
         "P": motion.P,
         "P_q": P_q,
         "P_qq": ca.jacobian(P_q, q),
-        "Phi": Phi,
-        "J": J,
-        "Phi_qq": ca.horzcat(*(ca.hessian(Phi[j], q)[0] for j in range(spec.m))),
+        "Phi": ca.vertcat(*(each.phi for each in rows)),
+        "J": ca.vertcat(*(each.gradient.T for each in rows)),
+        "Phi_qq": ca.horzcat(*(each.hessian for each in rows)),
     }
     moving = {"K", "theta", "Jdot_qdot"}
     functions = {

@@ -8,7 +8,6 @@ from typing import Final
 
 import casadi as ca
 import numpy as np
-from scipy.stats import qmc
 
 from firmtouch.mechanics.arrays import Array, call, call_vector, frozen
 from firmtouch.regulation.inverse_kinematics.reach import Reach
@@ -44,6 +43,8 @@ class Evaluation:
 
     def starts(self, count: int) -> Array:
         """Spread configurations within the limits, angles over one turn at most: the middle, then a Halton sequence."""
+        from scipy.stats import qmc
+
         half = np.where(self.reach.revolves, np.pi, UNLIMITED_SLIDE)
         lower, upper = self.reach.lower, self.reach.upper
         wide = ~self.limited | (np.array(self.reach.revolves) & (upper - lower > 2 * half))

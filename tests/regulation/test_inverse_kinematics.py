@@ -127,6 +127,17 @@ def test_limits_leave_one_elbow():
     assert [each.q[1] < 0 for each in found.solutions] == [True]
 
 
+def test_a_start_that_ends_at_a_limit_is_led_around_it():
+    """The one start ends in the corner of the limits, on the wrong side of the target."""
+    target = np.array([-0.654, -0.245])
+    reach = planar((UPPER_ARM, FOREARM), target, lower=[-3.1, -0.5], upper=[3.1, 3.0])
+    found = solve_reach(reach, starts=1)
+    assert found.met == 0
+    assert len(found.solutions) == 1
+    assert np.abs(reach.residual(found.q).full()).max() < 1e-12
+    assert np.all((reach.lower <= found.q) & (found.q <= reach.upper))
+
+
 def test_a_stretched_arm_has_one_singular_solution():
     found = solve_reach(planar((UPPER_ARM, FOREARM), (0.7, 0.0)))
     assert len(found.solutions) == 1

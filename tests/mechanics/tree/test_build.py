@@ -122,6 +122,22 @@ def test_a_payload_needs_a_frame_that_moves(branched, frame, told):
         loaded(build_tree(branched), frame, mass=ca.SX(1), centre_of_mass=ca.SX(3, 1), inertia=ca.SX(3, 3))
 
 
+def test_point_masses_on_the_axis_of_the_last_joint_are_refused(say):
+    def arm(at):
+        return say.robot(
+            say.link("base"), say.link("a", 1.0), say.link("b", 0.0, inertia=(0, 0, 0)), say.link("tip", 2.0, inertia=(0, 0, 0)),
+            say.joint("j", "revolute", "base", "a"), say.joint("k", "revolute", "a", "b", "0 0 0", "1 0 1", "0.1 0.2 0.3"),
+            say.joint("t", "fixed", "b", "tip", at),
+        )  # fmt: skip
+
+    with pytest.raises(ModelFileError, match="joint `k` turns nothing but point masses on its axis"):
+        build_tree(arm("0.3 0 0.3"))
+    off_axis = build_tree(arm("0.3 0 0"))
+    axis = off_axis.joints[1].axis
+    # Half of 0.3^2 is the squared distance from an axis at 45 degrees.
+    assert axis @ off_axis.joints[1].inertia.tensor @ axis == pytest.approx(2 * 0.3**2 / 2, rel=1e-12)
+
+
 def test_a_link_that_moves_needs_an_inertial_in_the_file(say):
     pieces = (
         say.link("base"),

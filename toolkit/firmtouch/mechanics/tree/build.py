@@ -20,6 +20,8 @@ EARTH: Final = (0.0, 0.0, -9.81)
 """Gravity where z points up, m/s^2."""
 MOST_JOINTS: Final = 100
 """Twice what a humanoid has; the expressions of M grow with the square of it."""
+THINNEST: Final = 1e-6
+"""Metres: a radius of gyration below this is that of a point mass, and rounding."""
 
 
 def build_tree(
@@ -142,7 +144,13 @@ def _finite(values: Vector, what: str, shape: tuple[int, ...]) -> Array:
 
 
 def _check_masses(tree: KinematicTree, robot: UrdfRobot) -> None:
-    """Refuse joints that carry no mass at all: M would be singular."""
+    """Refuse joints that carry no mass at all, or at the end of a branch only mass on their axis: M is singular."""
+    carriers = {each.parent for each in tree.joints}
+    for i, joint in enumerate(tree.joints):
+        ends = joint.revolves and joint.inertia.mass > 0 and i not in carriers
+        if ends and joint.axis @ joint.inertia.tensor @ joint.axis <= THINNEST**2 * joint.inertia.mass:
+            message = f"joint {shown(joint.name)} turns nothing but point masses on its axis; give them an inertia"
+            raise robot.mistake(message, robot.joints[joint.name])
     carried = [each.inertia.mass for each in tree.joints]
     for i, joint in reversed(list(enumerate(tree.joints))):
         if carried[i] == 0:

@@ -11,6 +11,7 @@ from firmtouch.modelfile.json_schema import model_schema
 from firmtouch.synthesis.pole_assignment import requested_poles
 
 SIZES = {  # name: (n, m)
+    "panda_plane": (7, 1),
     "pendulum_rod": (2, 1),
     "planar_2r_circle": (2, 1),
     "planar_2r_wall": (2, 1),
@@ -19,6 +20,7 @@ SIZES = {  # name: (n, m)
     "spatial_3r_sphere": (3, 1),
     "spatial_6r_plane": (6, 1),
     "two_arms_bar": (6, 3),
+    "ur5e_plane": (6, 1),
 }
 
 

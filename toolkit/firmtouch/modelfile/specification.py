@@ -106,6 +106,8 @@ class ModelSpec(Section):
             refuse(Problem(f"two constraints have the row `{twice[0]}`; rename one", path=("constraints",)))
         if m >= n:
             message = f"{m} constraints on {n} coordinates leave nothing to move; there must be fewer"
+            if m > len(self.entries):
+                message += " (`without: [...]` leaves out rows that a planar mechanism meets anyway)"
             refuse(Problem(message, path=("constraints",)))
         return self
 

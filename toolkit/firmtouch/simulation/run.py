@@ -16,7 +16,7 @@ from firmtouch.regulation import ClosedLoop, OperatingPoint
 from firmtouch.regulation.equilibrium import Equilibrium, NoEquilibriumError, solve_rest
 from firmtouch.simulation.continuous import ContinuousRun, Integrator, build_integrator, even_points
 from firmtouch.simulation.dae import Dae, Input, derive_dae, input_of, parameters_of
-from firmtouch.simulation.ending import contact_signs, force_scale, lost_contact, ran_away
+from firmtouch.simulation.ending import beyond_limits, contact_signs, force_scale, lost_contact, ran_away
 from firmtouch.simulation.many import with_fast_outputs
 from firmtouch.simulation.on_demand import OnDemand
 from firmtouch.simulation.samples import Samples
@@ -86,9 +86,9 @@ def simulate(
     signs = contact_signs(op)
 
     def ended(samples: Samples) -> int | None:
-        away = ran_away(samples, loop, distance)
-        found = [each for each in (lost_contact(samples, signs), away and away[0]) if each is not None]
-        return min(found, default=None)
+        others = [each[0] for each in (ran_away(samples, loop, distance), beyond_limits(samples, op)) if each]
+        lost = lost_contact(samples, signs)
+        return min(others if lost is None else [lost, *others], default=None)
 
     samples, failed = _follow(simulator, scenario, x, ended)
     if simulator.limited is not None and _meets_limits(samples, dae.feedback.limits):
@@ -140,6 +140,9 @@ def _ended_early(samples: Samples, loop: ClosedLoop, distance: float) -> tuple[O
     away = ran_away(samples, loop, distance)
     if away is not None:
         return Outcome.DIVERGED, f"diverged at {t:.4g} s: {away[1]}"
+    beyond = beyond_limits(samples.since(-1), op)
+    if beyond is not None:
+        return Outcome.BEYOND_LIMITS, f"went beyond a limit at {t:.4g} s: {beyond[1]}"
     force = contact_signs(op) * samples.lambda_[:, -1]
     if np.any(force < 0):
         name = list(op.plant.spec.constraints)[int(np.argmin(force))]

@@ -9,7 +9,7 @@ import numpy as np
 
 from firmtouch.errors import NoDesignError
 from firmtouch.mechanics import Array, Plant
-from firmtouch.mechanics.arrays import frozen, symmetric
+from firmtouch.mechanics.arrays import frozen
 from firmtouch.regulation.inverse_kinematics import Reached
 from firmtouch.regulation.projection import RANK, OffSurfaceError, Projection, project, short
 from firmtouch.regulation.reaching import reach_configuration
@@ -119,7 +119,7 @@ def operating_point_at(plant: Plant, projection: Projection, lambda_d: Array) ->
         g=plant.P_q(q_d),
         P_qq=P_qq,
         constraint_hessians=Phi_qq,
-        N0=symmetric(P_qq - np.tensordot(lambda_d, Phi_qq, axes=1)),  # of Eq. (14)
+        N0=plant.N0(q_d, lambda_d),
         residual=projection.residual,
         moved=projection.moved,
         reached=projection.reached,

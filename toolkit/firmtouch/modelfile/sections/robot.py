@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import re
-from collections.abc import Callable, Mapping
-from typing import Annotated, Any, Final, TypeVar
+from collections.abc import Callable, Collection, Mapping
+from typing import Annotated, Final, TypeVar
 
 from pydantic import Field, ValidationInfo, model_validator
 
@@ -194,10 +195,13 @@ class UrdfMechanism(Robot):
 
     def coordinates(self) -> dict[str, Coordinate]:
         """Give the independent joints that move."""
-        names: dict[str, Coordinate] = {}
-        for each in self.moving().coordinates():
-            names[_usable(each.name, names)] = _coordinate(each)
-        return names
+        joints = self.moving().coordinates()
+        as_they_are = {each.name for each in joints if each.name == _usable(each.name, ())}
+        found: dict[str, Coordinate] = {}
+        for each in joints:
+            name = each.name if each.name in as_they_are else _usable(each.name, as_they_are | found.keys())
+            found[name] = _coordinate(each)
+        return found
 
     def frames(self) -> tuple[str, ...]:
         """Give the links that stand still or that the moving joints carry."""
@@ -218,15 +222,12 @@ def _asked(question: Callable[[], T]) -> T:
         refuse(Problem(str(error)))
 
 
-def _usable(name: str, taken: Mapping[str, Any]) -> str:
+def _usable(name: str, taken: Collection[str]) -> str:
     """Make a joint's name one that expressions can use: letters, digits and `_`, 32 at most, not taken."""
     usable = re.sub(r"[^A-Za-z0-9_]", "_", name)
     usable = usable if re.match("[A-Za-z]", usable) and usable not in RESERVED else f"q_{usable}"
-    usable, count = usable[:LONGEST_NAME], 1
-    while usable in taken:
-        count += 1
-        usable = f"{usable[: LONGEST_NAME - 4]}_{count}"
-    return usable
+    choices = (f"{usable[: LONGEST_NAME - 4]}_{count}" for count in itertools.count(2))
+    return next(each for each in itertools.chain([usable[:LONGEST_NAME]], choices) if each not in taken)
 
 
 def _coordinate(joint: MovingJoint) -> Coordinate:

@@ -470,11 +470,11 @@ def damage(data, rng):
 TWO_ARMS = robot_of(
     *(piece for side in ("left", "right") for piece in arm_of([f"{side}_joint{i}" for i in range(6)], side))
 )
-CHUNK = 50
+CHUNK = 25
 
 
 @pytest.mark.parametrize(
-    "start", [0, CHUNK, *(pytest.param(i, marks=pytest.mark.slow) for i in range(2 * CHUNK, 40 * CHUNK, CHUNK))]
+    "start", [0, CHUNK, *(pytest.param(i, marks=pytest.mark.slow) for i in range(2 * CHUNK, 80 * CHUNK, CHUNK))]
 )
 def test_any_damage_is_read_or_told(start, place, tmp_path):
     (tmp_path / "two.urdf").write_text(TWO_ARMS)

@@ -305,7 +305,7 @@ def test_phi_measures_distances_away_from_zero(rng):
 def test_a_join_pushes_both_arms_equally_in_opposite_directions(rng):
     arm = ARMS["dual_ur5e"]
     q = rng.uniform(-1, 1, arm.n)
-    entry, J = join(arm, q, "frame")
+    entry, _ = join(arm, q, "frame")
     lambda_ = rng.normal(size=6)
     load = arm.rows(entry, 6).J(q).T @ lambda_
     left, right = tool_of(arm, q)[0], right_of(arm, q)[0]

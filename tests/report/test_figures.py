@@ -200,5 +200,6 @@ def test_a_scene_without_surface_or_force_is_drawn():
         walls=(),
         rounds=(),
         forces=(),
+        patches=(),
     )
     assert "x, m" in words(mechanism_picture(scene))

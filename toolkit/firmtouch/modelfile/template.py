@@ -6,8 +6,6 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 
-Vector = Sequence[float]
-
 TEMPLATE = """\
 # A model file of firmtouch. It works as it is:  firmtouch check {name}.yaml && firmtouch design {name}.yaml
 # Quantities are written with a unit (0.6 m, 70 deg, 40 N); a bare number is in SI.
@@ -141,8 +139,8 @@ def robot_template(
     tool: str,
     guess: Mapping[str, float],
     units: Mapping[str, str],
-    point: Vector,
-    axis: Vector,
+    point: Sequence[float],
+    axis: Sequence[float],
 ) -> str:
     """Give the text of a commented model file for a robot: its tool at `point`, on a plane square to its axis there.
 

@@ -11,8 +11,14 @@ def axis_turns(R: ca.SX) -> list[ca.SX]:
 
 
 def all_turns(R: ca.SX) -> list[ca.SX]:
-    """Give the vector of (R - R^T) / 2, sin(angle) times the axis: zero at no turn (or at half a turn)."""
-    return [(R[2, 1] - R[1, 2]) / 2, (R[0, 2] - R[2, 0]) / 2, (R[1, 0] - R[0, 1]) / 2]
+    """Give 2 sin(angle / 2) times the axis: zero at no turn alone, and no number at half a turn.
+
+    The vector of (R - R^T) / 2, which is sin(angle) times the axis, would be zero at half a turn too: a configuration
+    that meets nothing, in which its rows depend on each other.
+    """
+    cosine = ca.sqrt(1 + ca.trace(R))  # 2 cos(angle / 2)
+    double = (R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1])  # 2 sin(angle) times the axis
+    return [each / cosine for each in double]
 
 
 def turns(R: ca.SX, hold: str) -> list[ca.SX]:

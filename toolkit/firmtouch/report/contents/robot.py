@@ -164,7 +164,7 @@ def _constraints(design: Design) -> Table:
         for row, each in entry.rows(name).items():
             rows.append(((Math(f'phi_("{row.replace("_", " ")}")'),), (unit(each.unit),), (each.label or "",), about))
             about = ("",)
-    return Table((("constraint",), ("unit",), ("row",), ("what is held",)), tuple(rows), wide=frozenset({2, 3}))
+    return Table((("constraint",), ("unit",), ("row",), ("what is held",)), tuple(rows), wide=frozenset({3}))
 
 
 def _about(entry: Any) -> Line:  # noqa: ANN401  # any entry of `constraints`

@@ -11,7 +11,9 @@ from firmtouch.modelfile.json_schema import model_schema
 from firmtouch.synthesis.pole_assignment import requested_poles
 
 SIZES = {  # name: (n, m)
+    "dual_arm_box": (12, 6),
     "panda_plane": (7, 1),
+    "panda_sphere_normal": (7, 3),
     "pendulum_rod": (2, 1),
     "planar_2r_circle": (2, 1),
     "planar_2r_wall": (2, 1),

@@ -24,7 +24,8 @@ from tests.benchmarks.measure import ROOT, Figure, best_of
 import firmtouch
 from firmtouch.mechanics import Array
 from firmtouch.regulation import split_directions
-from firmtouch.regulation.operating_point import OperatingPoint, Projection, operating_point_at
+from firmtouch.regulation.operating_point import OperatingPoint, operating_point_at
+from firmtouch.regulation.projection import Projection
 from firmtouch.synthesis.region.convex import ConvexSearch
 from firmtouch.synthesis.region.design import solve_problem
 from firmtouch.synthesis.region.problem import RegionProblem, build_problem

@@ -17,7 +17,8 @@ from firmtouch.certificate.matrices import middle
 from firmtouch.certificate.plants import NOMINAL, Plants
 from firmtouch.modelfile.sections.region import LambdaUncertainty
 from firmtouch.regulation import OperatingPoint
-from firmtouch.regulation.operating_point import Projection, operating_point_at
+from firmtouch.regulation.operating_point import operating_point_at
+from firmtouch.regulation.projection import Projection
 from firmtouch.regulation.uncertainty import uncertainty_polytope
 
 INSIDE = 1e-9  # the linear programme's feasibility, relative

@@ -5,12 +5,9 @@ import pytest
 
 import firmtouch
 from firmtouch.regulation import project
-from firmtouch.regulation.operating_point import (
-    ON_SURFACE,
-    DependentConstraintsError,
-    ForceOutOfRangeError,
-    OffSurfaceError,
-)
+from firmtouch.regulation.operating_point import ForceOutOfRangeError
+from firmtouch.regulation.projection import ON_SURFACE, OffSurfaceError
+from firmtouch.regulation.redundancy import DependentConstraintsError
 
 
 @pytest.fixture

@@ -29,21 +29,23 @@ def shipped() -> Callable[[str], firmtouch.ClosedLoop]:
 
     @cache
     def get(name: str, *, one_sided: bool = False) -> firmtouch.ClosedLoop:
-        text = (MODELS / f"{name}.yaml").read_text()
+        spec = firmtouch.read_model(MODELS / f"{name}.yaml").spec
         if one_sided:
-            assert "one_sided: true" in text
+            assert any(each.one_sided for each in spec.constraints.values())
         else:
-            text = text.replace("one_sided: true, ", "")
-        op = firmtouch.find_operating_point(
-            firmtouch.derive_plant(firmtouch.parse_model(text.encode(), name=name).spec)
-        )
+            spec = spec.all_two_sided()
+        op = firmtouch.find_operating_point(firmtouch.derive_plant(spec))
         return firmtouch.assign_poles(op, op.plant.spec.design)
 
     return get
 
 
-NAMES = sorted(path.stem for path in MODELS.glob("*.yaml"))
-LARGE = {"spatial_6r_plane", "two_arms_bar", "spatial_3r_sphere"}
+ROBOTS = {"panda_plane"}
+"""One arm that is read from a URDF is enough: what is special of it ends with its plant."""
+NAMES = sorted(
+    {path.stem for path in MODELS.glob("*.yaml") if "urdf:" not in path.read_text(encoding="utf-8")} | ROBOTS
+)
+LARGE = {"spatial_6r_plane", "two_arms_bar", "spatial_3r_sphere", *ROBOTS}
 """Their equations alone take up to half a second to write out."""
 
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from firmtouch.regulation.operating_point import OffSurfaceError
+from firmtouch.regulation.projection import OffSurfaceError
 from firmtouch.simulation.scenario import Start
 from firmtouch.simulation.start import consistent_start, true_surface
 from firmtouch.simulation.trajectory import Outcome

@@ -11,7 +11,8 @@ from tests.synthesis.region_plants import draw_point, problem_of, region
 
 import firmtouch
 from firmtouch.regulation import close_loop
-from firmtouch.regulation.operating_point import Projection, operating_point_at
+from firmtouch.regulation.operating_point import operating_point_at
+from firmtouch.regulation.projection import Projection
 from firmtouch.synthesis.region.convex import ConvexSearch, gains_of
 from firmtouch.synthesis.region.design import design_region, solve_problem
 from firmtouch.synthesis.region.programme import SETTINGS, Programme, Status

@@ -20,7 +20,7 @@ from firmtouch.regulation import ClosedLoop, OperatingPoint, SteadyState, find_o
 from firmtouch.regulation.closed_loop import match_poles, pole_distance
 from firmtouch.regulation.force_loop import ForceLoop, analyse_force_loop, with_chosen_force_feedback
 from firmtouch.regulation.force_loop.warnings import force_warnings
-from firmtouch.regulation.operating_point import OffSurfaceError, project
+from firmtouch.regulation.projection import OffSurfaceError, project
 from firmtouch.regulation.uncertainty import IndefiniteInertiaError
 from firmtouch.simulation.trial import Trial, try_out
 from firmtouch.synthesis import assign_poles

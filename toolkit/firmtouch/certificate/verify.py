@@ -20,7 +20,8 @@ from firmtouch.mechanics import derive_plant
 from firmtouch.mechanics.arrays import frozen
 from firmtouch.modelfile import ModelFile
 from firmtouch.regulation import Gains, OperatingPoint, close_loop, find_operating_point
-from firmtouch.regulation.operating_point import Projection, operating_point_at
+from firmtouch.regulation.operating_point import operating_point_at
+from firmtouch.regulation.projection import Projection
 
 SAME: Final = 1e-9
 """How far q_d and a lambda_d that is computed may lie from what this machine finds, relatively."""

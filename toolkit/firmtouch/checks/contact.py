@@ -9,7 +9,9 @@ import numpy as np
 
 from firmtouch.checks.result import CheckResult, at_least, at_most
 from firmtouch.checks.subject import Subject
-from firmtouch.regulation.operating_point import IN_RANGE, ON_SURFACE, RANK, constraint_force_of, row_dependencies
+from firmtouch.regulation.operating_point import IN_RANGE, constraint_force_of
+from firmtouch.regulation.projection import ON_SURFACE, RANK
+from firmtouch.regulation.redundancy import remedy_for, row_dependencies
 
 WELL_CONDITIONED: Final = 1e-6
 """Below this ratio of singular values the multipliers lose half of their digits."""
@@ -32,12 +34,12 @@ def full_rank(subject: Subject) -> CheckResult:
         return at_least("rank of J", math.nan, WELL_CONDITIONED, "J(q_d) is not finite")
     singular = np.linalg.svd(J, compute_uv=False)
     ratio = float(singular[-1] / singular[0]) if singular[0] > 0 else 0.0
-    rank, dependencies = row_dependencies(subject.plant, J)
-    if dependencies:
-        return at_least(
-            "rank of J", ratio if ratio < RANK else 0.0, WELL_CONDITIONED, f"rank {rank}: {'; '.join(dependencies)}"
-        )
-    condition = f"rank {rank} of {subject.plant.m}, condition number {1 / ratio if ratio else math.inf:.3g}"
+    found = row_dependencies(subject.plant, J)
+    if found.rows:
+        remedy = remedy_for(subject.plant, subject.q_d, found) if subject.missed is None else ""
+        words = ". ".join(filter(None, (f"rank {found.rank}: {'; '.join(found.words)}", remedy)))
+        return at_least("rank of J", ratio if ratio < RANK else 0.0, WELL_CONDITIONED, words)
+    condition = f"rank {found.rank} of {subject.plant.m}, condition number {1 / ratio if ratio else math.inf:.3g}"
     return at_least("rank of J", ratio, WELL_CONDITIONED, condition)
 
 

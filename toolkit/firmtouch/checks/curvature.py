@@ -12,6 +12,8 @@ from firmtouch.regulation.operating_point import operating_point_at
 from firmtouch.regulation.split import split_directions
 
 NAME = "lambda-Hessian"
+ROUNDING = 1e-13
+"""What is this much smaller than the largest s^2 is zero but for rounding."""
 
 
 def curvature_matters(subject: Subject) -> CheckResult:
@@ -47,5 +49,9 @@ def squared_poles(M22: Array, N22: Array) -> Array:
 
 
 def in_words(squared: Array) -> str:
-    """Write poles +-sqrt(s^2) as real or imaginary numbers."""
-    return ", ".join(f"±{np.sqrt(abs(each)):.4g}{'j' if each < 0 else ''}" for each in squared)
+    """Write poles +-sqrt(s^2) as real or imaginary numbers; what rounding made of zero is a double pole there."""
+    nothing = ROUNDING * float(np.max(np.abs(squared), initial=0.0))
+    return ", ".join(
+        "0 (double)" if abs(each) <= nothing else f"±{np.sqrt(abs(each)):.4g}{'j' if each < 0 else ''}"
+        for each in squared
+    )

@@ -12,13 +12,8 @@ from firmtouch.errors import NoDesignError
 from firmtouch.mechanics import Array, Plant, derive_plant
 from firmtouch.mechanics.arrays import frozen
 from firmtouch.modelfile import ModelSpec
-from firmtouch.regulation.operating_point import (
-    OffSurfaceError,
-    OperatingPoint,
-    Projection,
-    constraint_force_of,
-    locate,
-)
+from firmtouch.regulation.operating_point import OperatingPoint, constraint_force_of, locate
+from firmtouch.regulation.projection import OffSurfaceError, Projection
 
 SEED: Final = 19930201
 """Any fixed number would do: the same model shall give the same figures on every machine."""

@@ -20,6 +20,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
     arguments = build_parser().parse_args(argv)
+    if arguments.verbose:
+        _talk()
     from firmtouch.errors import InputError, NoDesignError
 
     try:
@@ -33,6 +35,17 @@ def main(argv: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         sys.stderr.write("stopped\n")
         return 130
+
+
+def _talk() -> None:
+    """Let the package's logger speak on stderr."""
+    import logging
+
+    handler = logging.StreamHandler(sys.stderr)
+    handler.setFormatter(logging.Formatter("firmtouch: %(message)s"))
+    logger = logging.getLogger("firmtouch")
+    logger.handlers[:] = [handler]
+    logger.setLevel(logging.DEBUG)
 
 
 def entry() -> None:

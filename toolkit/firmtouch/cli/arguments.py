@@ -34,6 +34,8 @@ def build_parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
     for add in (_add_design, _add_simulate, _add_montecarlo, _add_check, _add_verify, _add_new, _add_schema):
         add(commands)
+    for each in commands.choices.values():
+        each.add_argument("-v", "--verbose", action="store_true", help="say what is done behind the scenes, on stderr")
     return parser
 
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from firmtouch.cli import GOOD, NO, WRONG
 from firmtouch.cli.console import results_console, working
-from firmtouch.errors import InputError
+from firmtouch.errors import InputError, NoDesignError
 
 if TYPE_CHECKING:
     from firmtouch.checks import CheckReport, CheckResult
@@ -21,7 +21,7 @@ SCHEMA = "firmtouch.check/1"
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Check every model; one that cannot be read stops no other."""
+    """Check every model; one that cannot be read, or has no configuration to be checked at, stops no other."""
     code, told = GOOD, []
     for path in map(Path, arguments.models):
         try:
@@ -31,6 +31,11 @@ def run(arguments: argparse.Namespace) -> int:
             sys.stderr.write(f"{error}\n")
             told.append({"model": str(path), "error": str(error)})
             code = WRONG
+            continue
+        except NoDesignError as error:
+            sys.stderr.write(f"{path}: no operating point: {error}\n")
+            told.append({"model": str(path), "error": str(error)})
+            code = max(code, NO)
             continue
         told.append(_as_json(report, path))
         code = max(code, GOOD if report.holds else NO)

@@ -28,7 +28,7 @@ def run(arguments: argparse.Namespace) -> int:
         model, loop = load_target(arguments.target, progress)
         progress("reading the scenarios")
         scenarios = _chosen(_scenarios(arguments.scenario, model, loop), arguments.only)
-        from firmtouch.regulation.operating_point import OffSurfaceError
+        from firmtouch.regulation.projection import OffSurfaceError
         from firmtouch.report import write_files
         from firmtouch.simulation.trial import run_all
 

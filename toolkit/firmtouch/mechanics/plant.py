@@ -23,7 +23,7 @@ class Plant:
     lambda_j > 0 pushes the mechanism towards growing phi_j. All in SI; `p` are the parameters' values.
     The methods evaluate at numbers; `functions` holds the CasADi functions themselves, each of (q, p) or of
     (q, q', p): `K`, `P`, `Phi`, `J`, `M`, `theta`, `Jdot_qdot`, `P_q`, `P_qq` (n x n), `Phi_qq` (n x nm: the
-    constraint Hessians side by side).
+    constraint Hessians side by side); `N0` of (q, lambda, p).
     """
 
     spec: ModelSpec
@@ -85,6 +85,10 @@ class Plant:
         stacked = self._evaluate("Phi_qq", q)
         return frozen(np.stack([symmetric(each) for each in np.hsplit(stacked, self.m)]))
 
+    def N0(self, q: Vector, lambda_: Vector) -> Array:
+        """P_qq - sum of lambda_j Phi_j'', n x n: the stiffness that the plant brings, of Eq. (14)."""
+        return symmetric(self._evaluate("N0", q, lambda_))
+
     def _evaluate(self, name: str, *state: Vector) -> Array:
         """Evaluate a function; the next evaluation of it writes over what is given."""
         return evaluator_of(self.functions[name])(*state, self.p)[0]
@@ -120,4 +124,7 @@ def derive_plant(spec: ModelSpec) -> Plant:
         name: ca.Function(name, [q, qdot, p] if name in moving else [q, p], [ca.densify(output)])
         for name, output in outputs.items()
     }
+    lambda_ = ca.SX.sym("lambda", spec.m)
+    bent = sum((lambda_[j] * each.hessian for j, each in enumerate(rows)), ca.SX(spec.n, spec.n))
+    functions["N0"] = ca.Function("N0", [q, lambda_, p], [ca.densify(outputs["P_qq"] - bent)])
     return Plant(spec, frozen([each.value.value for each in spec.parameters.values()]), functions)

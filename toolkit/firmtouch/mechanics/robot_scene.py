@@ -11,19 +11,34 @@ import numpy as np
 from firmtouch.mechanics.arm import Arm, arm_of
 from firmtouch.mechanics.arrays import Array, frozen
 from firmtouch.mechanics.plant import Plant
-from firmtouch.mechanics.scene import ContactForce, Patch, Scene, solve_force
+from firmtouch.mechanics.scene import Base, ContactForce, Held, Patch, Scene, solve_force
 from firmtouch.mechanics.surfaces import normal, patch
 from firmtouch.mechanics.symbols import Symbols
-from firmtouch.mechanics.tree.kinematics import constant, joint_pose
+from firmtouch.mechanics.tree.kinematics import Pose, axis_of, constant, joint_pose
+from firmtouch.mechanics.tree.tree import WORLD
 from firmtouch.modelfile.sections.constraint import Constraint
-from firmtouch.modelfile.sections.frames import Join, OnFrames, RailContact, Rod, SurfaceContact
+from firmtouch.modelfile.sections.frames import (
+    CircleSpec,
+    CurveSpec,
+    Join,
+    LineSpec,
+    OnFrames,
+    RailContact,
+    Rod,
+    SurfaceContact,
+)
 from firmtouch.modelfile.sections.pose import FrameSpec
+from firmtouch.modelfile.sections.robot import UrdfMechanism
 
 PATCH: Final = 0.45
 """Edge of a surface's patch, as a part of how far the robot reaches."""
 TANGENT: Final = 0.4
 """Edge of the square that shows the tangent plane, as a part of the patch."""
 COUNT: Final = 25
+RAIL: Final = 0.5
+"""Half the length of a straight rail's piece, as a part of how far the robot reaches."""
+ROUND: Final = 97
+"""Points of a round rail."""
 APART: Final = 1e-6
 """Points of a chain nearer than this (m) are one."""
 
@@ -34,7 +49,7 @@ def robot_scene(plant: Plant, q: Array, lambda_d: Array, ghosts: Sequence[Array]
     arm = arm_of(plant.spec, symbols)
     assert arm is not None
     frames = list(_ends(plant, arm))
-    chains = ca.Function("chains", [symbols.q, symbols.p], [ca.densify(_chain(arm, each)) for each in frames])
+    chains = ca.Function("chains", [symbols.q, symbols.p], [ca.densify(_chain(plant, arm, each)) for each in frames])
 
     def lines(at: Array) -> tuple[Array, ...]:
         found = chains.call([at, plant.p])
@@ -42,26 +57,37 @@ def robot_scene(plant: Plant, q: Array, lambda_d: Array, ghosts: Sequence[Array]
 
     here = lines(q)
     reach = float(np.max(np.ptp(np.vstack(here), axis=0)))
+    held = tuple(_held(plant, arm, q))
     return Scene(
         3,
         here,
         tuple(lines(each) for each in ghosts),
         forces=tuple(_forces(plant, arm, q, lambda_d)),
         patches=tuple(_patches(plant, arm, q, PATCH * reach)),
+        bases=tuple(_bases(plant, arm, frames, q)),
+        held=held,
+        rails=tuple(_rails(plant, arm, q, RAIL * reach)),
     )
 
 
 def _ends(plant: Plant, arm: Arm) -> Iterator[FrameSpec]:
-    """List the frames that constraints hold, each once; what stands still is no chain."""
+    """List the frames that constraints hold, each once; what stands still is no chain.
+
+    A chain ends at a hand, and what stands off from it in a join is held by it.
+    """
     seen: list[FrameSpec] = []
     for entry in plant.spec.entries.values():
-        for frame in _frames(entry) if isinstance(entry, OnFrames) else ():
+        for found in _frames(entry) if isinstance(entry, OnFrames) else ():
+            frame = _bare(found.frame) if isinstance(entry, Join) else found
             if frame not in seen and arm.tree.frames[frame.frame].body >= 0:
                 seen.append(frame)
                 yield frame
     if not seen:
-        last = list(arm.tree.frames)[-1]
-        yield FrameSpec.model_construct(frame=last, position=None, orientation=())
+        yield _bare(list(arm.tree.frames)[-1])
+
+
+def _bare(frame: str) -> FrameSpec:
+    return FrameSpec.model_construct(frame=frame, position=None, orientation=())
 
 
 def _frames(entry: OnFrames) -> tuple[FrameSpec, ...]:
@@ -76,14 +102,13 @@ def _frames(entry: OnFrames) -> tuple[FrameSpec, ...]:
             return ()
 
 
-def _chain(arm: Arm, frame: FrameSpec) -> ca.SX:
+def _chain(plant: Plant, arm: Arm, frame: FrameSpec) -> ca.SX:
     """Give the origins of the bodies from the ground to a frame, and the frame itself, 3 x k."""
     tree, q = arm.tree, arm.symbols.q
     positions = tree.positions(q)
     found = tree.frames[frame.frame]
     first = tree.ancestors(found.body)[-1]
-    root = tree.frames[next(iter(tree.frames))]
-    points = [constant(root.placement).p if root.body < 0 else ca.SX(3, 1)]
+    points = [_foot(plant, arm, first).p]
     pose = None
     for i in reversed(tree.ancestors(found.body)):
         step = joint_pose(tree.joints[i], positions[i])
@@ -93,6 +118,16 @@ def _chain(arm: Arm, frame: FrameSpec) -> ca.SX:
         points.append((pose @ constant(found.placement)).p)
     points.append(arm.pose(frame).p)
     return ca.horzcat(*points)
+
+
+def _foot(plant: Plant, arm: Arm, first: int) -> Pose:
+    """Give the frame that a chain stands on: the link that carries its first joint, or the robot's root."""
+    tree, mechanism = arm.tree, plant.spec.mechanism
+    carrier = next(iter(tree.frames))
+    if isinstance(mechanism, UrdfMechanism):
+        carrier = mechanism.urdf.joints[tree.joints[first].name].parent
+    found = tree.frames[carrier]
+    return constant(found.placement) if found.body == WORLD else Pose(ca.SX.eye(3), ca.SX(3, 1))
 
 
 def _joined(points: Array) -> Array:
@@ -126,8 +161,7 @@ def _patches(plant: Plant, arm: Arm, q: Array, size: float) -> Iterator[Patch]:
         if not isinstance(entry, SurfaceContact) or entry.point is None:
             continue
         x = arm.pose(entry.point).p
-        at = ca.Function("at", [symbols.q, symbols.p], [ca.densify(x), ca.densify(normal(entry.surface, x, symbols))])
-        point, n = (np.asarray(each.full()).ravel() for each in at(q, plant.p))
+        point, n = _values(plant, arm, q, x, normal(entry.surface, x, symbols))
         points = patch(entry.surface, point, symbols, plant.p, size=size, count=COUNT)
         tangent = np.linalg.svd(n[None, :])[2][1:]
         corners = [
@@ -135,3 +169,56 @@ def _patches(plant: Plant, arm: Arm, q: Array, size: float) -> Iterator[Patch]:
             for a, b in ((1, 1), (1, -1), (-1, -1), (-1, 1))
         ]
         yield Patch(points, frozen(point), frozen(n), frozen(corners))
+
+
+def _bases(plant: Plant, arm: Arm, frames: Sequence[FrameSpec], q: Array) -> Iterator[Base]:
+    """Give where the chains stand, each place once."""
+    tree = arm.tree
+    for first in dict.fromkeys(tree.ancestors(tree.frames[each.frame].body)[-1] for each in frames):
+        joint = tree.joints[first]
+        axis = constant(joint.placement).R @ axis_of(joint)
+        foot, towards = _values(plant, arm, q, _foot(plant, arm, first).p, axis)
+        yield Base(foot, towards)
+
+
+def _held(plant: Plant, arm: Arm, q: Array) -> Iterator[Held]:
+    """Give what joined frames hold between them, where they are apart."""
+    for name, entry in plant.spec.entries.items():
+        if not isinstance(entry, Join):
+            continue
+        one, other = (arm.pose(_bare(each.frame)) for each in entry.join)
+        start, end, R = _values(plant, arm, q, one.p, other.p, one.R)
+        along = end - start
+        length = float(np.linalg.norm(along))
+        if length > APART:
+            # Of the hand's axes the one that is most square to what is held, made so.
+            best = R[:, int(np.argmin(np.abs(R.T @ along)))]
+            across = best - (best @ along) * along / length**2
+            yield Held(name, frozen([start, end]), frozen(across / np.linalg.norm(across)))
+
+
+def _rails(plant: Plant, arm: Arm, q: Array, half: float) -> Iterator[Array]:
+    """Give the curves that frames slide along, near them, and the rods between frames."""
+    symbols = arm.symbols
+    for entry in plant.spec.entries.values():
+        match entry:
+            case Rod(between=(one, other)):
+                yield frozen(_values(plant, arm, q, arm.pose(one).p, arm.pose(other).p))
+            case RailContact(rail=CurveSpec(line=LineSpec() as line), frame=frame):
+                x, along = _values(plant, arm, q, arm.pose(frame).p, symbols.column(line.direction))
+                along = along / np.linalg.norm(along)
+                yield frozen([x - half * along, x + half * along])
+            case RailContact(rail=CurveSpec(circle=CircleSpec() as circle)):
+                outputs = (symbols.column(circle.centre), symbols.column(circle.axis), symbols.scalar(circle.radius))
+                centre, axis, radius = _values(plant, arm, q, *outputs)
+                first, second = np.linalg.svd(axis[None, :])[2][1:]
+                turns = np.linspace(0, 2 * np.pi, ROUND)[:, None]
+                yield frozen(centre + radius[0] * (np.cos(turns) * first + np.sin(turns) * second))
+
+
+def _values(plant: Plant, arm: Arm, q: Array, *expressions: ca.SX) -> tuple[Array, ...]:
+    """Evaluate expressions at q; columns as vectors."""
+    symbols = arm.symbols
+    function = ca.Function("values", [symbols.q, symbols.p], [ca.densify(each) for each in expressions])
+    found = (np.asarray(each.full()) for each in function.call([q, plant.p]))
+    return tuple(frozen(each[:, 0] if each.shape[1] == 1 else each) for each in found)

@@ -43,6 +43,26 @@ class Patch:
 
 
 @dataclass(frozen=True, slots=True)
+class Base:
+    """Where a chain of joints stands: a point (3), and its first joint's axis there (3)."""
+
+    point: Array
+    axis: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Held:
+    """What two joined frames hold between them: `ends` (2 x 3) are their origins, `across` (3) is square to the way.
+
+    The force of the `constraint` acts at the second end, and its reaction at the first.
+    """
+
+    constraint: str
+    ends: Array
+    across: Array
+
+
+@dataclass(frozen=True, slots=True)
 class ContactForce:
     """The force F on the mechanism at a point: J_p^T F is the constraint's share of J^T lambda_d.
 
@@ -61,7 +81,8 @@ class ContactForce:
 class Scene:
     """A mechanism at one configuration, in the plane or in space (`dimension` 2 or 3), in metres.
 
-    `ghosts` are the lines again a little way along each direction that the constraints leave free.
+    `ghosts` are the lines again a little way along each direction that the constraints leave free. `rails` (k x 3 each)
+    are curves that frames slide along, and rods.
     """
 
     dimension: int
@@ -72,6 +93,9 @@ class Scene:
     rounds: tuple[Round, ...] = ()
     forces: tuple[ContactForce, ...] = ()
     patches: tuple[Patch, ...] = ()
+    bases: tuple[Base, ...] = ()
+    held: tuple[Held, ...] = ()
+    rails: tuple[Array, ...] = ()
 
 
 def solve_force(

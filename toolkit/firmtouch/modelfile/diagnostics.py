@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any, Final, TypeVar
 
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel, Tag, ValidationError
 from pydantic_core import ErrorDetails
 
 from firmtouch.errors import Diagnostic, ModelFileError
@@ -20,6 +20,15 @@ KEY_MARK: Final = "[key]"
 """What pydantic ends a location with where it means the key."""
 TAGGED: Final[dict[str | int, int]] = {"mechanism": 1, "constraints": 2}
 """How deep under a section pydantic puts the tag of the form that it read."""
+UNTOLD: Final = ("bodies", "expression")
+"""The forms that are taken where no key tells another one."""
+PAIRS: Final = {
+    "interval": "two quantities were expected, as in `[3.5 kg, 5.0 kg]`",
+    "limits": "two positions were expected, as in `[-120 deg, 120 deg]`",
+    "between": "two frames were expected, as in `[left_tool, right_tool]`",
+    "join": "two frames were expected, as in `[left_tool, right_tool]`",
+}
+"""What is told of a list that should have two entries."""
 T = TypeVar("T", bound=BaseModel)
 
 
@@ -64,6 +73,8 @@ def _diagnostics(errors: list[ErrorDetails], document: Document, root: type[Base
 
 
 def _located(details: ErrorDetails, document: Document, root: type[BaseModel]) -> Iterator[tuple[int, int, Problem]]:
+    if details["loc"][:1] == ("coordinates",) and len(details["loc"]) > 1 and ("coordinates",) not in document.values:
+        return  # a robot's joints are not written here; what their names meet is told where that is
     problems = problems_of(details.get("ctx"))
     location = _location(details["loc"], ours=bool(problems))
     for problem in problems or (_own_words(details, location, root),):
@@ -90,16 +101,15 @@ def _own_words(details: ErrorDetails, path: tuple[str | int, ...], root: type[Ba
         case "missing" if isinstance(path[-1], str):
             return Problem(f"`{path[-1]}` is missing here", path=path[:-1], at_key=True)
         case "extra_forbidden":
-            key, choices = str(path[-1]), _fields_at(path[:-1], root)
-            message = f"unknown key {shown(key)}; there are: {listed(choices, len(choices))}"
-            return Problem(message, path=path, at_key=True, near=(key, choices))
+            return _unknown_key(details, path, root)
         case "model_type" | "dict_type":
             return Problem(f"a mapping `name: value` was expected, not {_sort(details['input'])}", path=path)
         case "literal_error":
             return _no_choice(details, path)
-        case "tuple_type" | "too_short" | "too_long" | "missing" if "interval" in path[-2:]:
-            path = path[:-1] if details["type"] == "missing" else path
-            return Problem("two quantities were expected, as in `[3.5 kg, 5.0 kg]`", path=path)
+        case "tuple_type" | "too_short" | "too_long" if path[-1] in PAIRS:
+            return Problem(PAIRS[str(path[-1])], path=path)
+        case "missing" if path[-2] in PAIRS:
+            return Problem(PAIRS[str(path[-2])], path=path[:-1])
         case "too_short" | "too_long":
             return Problem(_count(details), path=path)
         case "tuple_type":
@@ -107,7 +117,22 @@ def _own_words(details: ErrorDetails, path: tuple[str | int, ...], root: type[Ba
         case "bool_type":
             return Problem(f"`true` or `false` was expected, not {_sort(details['input'])}", path=path)
         case _:
-            return Problem(details["msg"], path=path)
+            return Problem(f"{_sort(details['input'])} is not possible here", path=path)
+
+
+def _unknown_key(details: ErrorDetails, path: tuple[str | int, ...], root: type[BaseModel]) -> Problem:
+    """Name the keys that there are: those of the form that was read, and all where no key told one."""
+    key, every = str(path[-1]), _fields_at(path[:-1], root)
+    loc = details["loc"]
+    depth = TAGGED.get(loc[0], len(loc))
+    tag = str(loc[depth]) if depth == len(path) - 1 and len(loc) == len(path) + 1 else None
+    of_form = every if tag is None else _fields_at(path[:-1], root, tag)
+    if key in every:
+        message = f"{shown(key)} does not go with {shown(str(tag))}; there are: {listed(of_form, len(of_form))}"
+        return Problem(message, path=path, at_key=True)
+    choices = every if tag in UNTOLD else of_form
+    message = f"unknown key {shown(key)}; there are: {listed(choices, len(choices))}"
+    return Problem(message, path=path, at_key=True, near=(key, choices))
 
 
 def _no_choice(details: ErrorDetails, path: tuple[str | int, ...]) -> Problem:
@@ -139,15 +164,18 @@ def _sort(value: object) -> str:
             return shown(str(value))
 
 
-def _fields_at(location: tuple[str | int, ...], root: type[BaseModel]) -> tuple[str, ...]:
-    """Find the keys that exist at a place of the specification, by walking the classes."""
+def _fields_at(location: tuple[str | int, ...], root: type[BaseModel], tag: str | None = None) -> tuple[str, ...]:
+    """Find the keys that exist at a place of the specification, by walking the classes; of one form, with a tag."""
     from typing import get_args
 
     def classes(annotation: Any) -> Iterator[Any]:  # noqa: ANN401  # a type expression
-        fields = getattr(annotation, "model_fields", None)
-        if fields is not None:
+        parts = get_args(annotation)
+        forms = [each.tag for each in parts if isinstance(each, Tag)]
+        if tag is not None and forms and tag not in forms:
+            return
+        if getattr(annotation, "model_fields", None) is not None:
             yield annotation
-        for each in get_args(annotation):
+        for each in parts:
             yield from classes(each)
 
     here: list[Any] = [root]

@@ -21,8 +21,15 @@ def beside(path: Path) -> Attached:
 
     def read(named: str) -> tuple[str, bytes]:
         other = path.parent / named
-        if not other.is_file():
-            raise InputError(f"there is no file {shown(str(other), 200)}")
+        try:
+            usable = other.is_file()
+            exists = usable or other.exists()
+        except OSError as error:  # a name that is too long, a directory that is closed to us
+            raise InputError(f"{shown(str(other), 200)} cannot be read ({error.strerror})") from error
+        if not usable:
+            raise InputError(
+                f"{shown(str(other), 200)} is no file" if exists else f"there is no file {shown(str(other), 200)}"
+            )
         return str(other), read_bytes(other, LARGEST_ATTACHED)
 
     return read

@@ -27,7 +27,7 @@ from firmtouch.modelfile.sections.constraint import Constraint, Entry
 from firmtouch.modelfile.sections.design import DesignSpec
 from firmtouch.modelfile.sections.drawing import Drawing
 from firmtouch.modelfile.sections.force_path import ForcePathSpec
-from firmtouch.modelfile.sections.frames import RowOfFrames
+from firmtouch.modelfile.sections.frames import RowOfFrames, SurfaceContact
 from firmtouch.modelfile.sections.mechanism import Mechanism
 from firmtouch.modelfile.sections.operating_point import OperatingPointSpec
 from firmtouch.modelfile.sections.region import RegionSpec, UncertaintySpec
@@ -106,7 +106,21 @@ class ModelSpec(Section):
             refuse(Problem(f"two constraints have the row `{twice[0]}`; rename one", path=("constraints",)))
         if m >= n:
             message = f"{m} constraints on {n} coordinates leave nothing to move; there must be fewer"
+            if m > len(self.entries):
+                message += " (`without: [...]` leaves out rows that a planar mechanism meets anyway)"
             refuse(Problem(message, path=("constraints",)))
+        return self
+
+    @model_validator(mode="after")
+    def _across_has_a_direction(self) -> ModelSpec:
+        """Refuse an `across` that nothing would use: without a `direction`, only a contact gives one."""
+        reach = self.operating_point.reach
+        if reach is None or reach.across is None or reach.direction is not None or reach.contact is not None:
+            return self
+        touching = [each.point for each in self.entries.values() if isinstance(each, SurfaceContact)]
+        if reach.frame is not None and touching != [reach.frame]:
+            path = ("operating_point", "reach", "across")
+            refuse(Problem("`across` needs a `direction`: this frame is not the one contact's", path=path, at_key=True))
         return self
 
     @model_validator(mode="after")

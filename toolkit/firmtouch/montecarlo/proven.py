@@ -15,7 +15,7 @@ from firmtouch.mechanics.arrays import frozen
 from firmtouch.regulation import ClosedLoop
 from firmtouch.regulation.graph import surface_above
 from firmtouch.regulation.lyapunov import potential
-from firmtouch.regulation.operating_point import OffSurfaceError, project
+from firmtouch.regulation.projection import OffSurfaceError, project
 from firmtouch.simulation.scenario import Start
 
 if TYPE_CHECKING:  # those who only run need no proofs, and start sooner without them

@@ -15,7 +15,7 @@ from firmtouch.montecarlo.record import OFF, Label, Record, record_of
 from firmtouch.montecarlo.sets import Sets
 from firmtouch.regulation import ClosedLoop
 from firmtouch.regulation.controllers import Controller
-from firmtouch.regulation.operating_point import OffSurfaceError
+from firmtouch.regulation.projection import OffSurfaceError
 from firmtouch.simulation.from_file import drive_limits, usual_duration
 from firmtouch.simulation.run import Simulator, build_simulator, simulate
 from firmtouch.simulation.scenario import Feedback, Scenario, Start

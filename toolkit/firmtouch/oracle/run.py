@@ -19,7 +19,7 @@ from firmtouch.oracle.machine import Machine
 from firmtouch.oracle.stiffness import DEFAULT, ContactStiffness
 from firmtouch.oracle.surfaces import find_touches
 from firmtouch.regulation import ClosedLoop
-from firmtouch.regulation.operating_point import project
+from firmtouch.regulation.projection import project
 
 AT_REST: Final = 1e-10
 """Speeds (rad/s or m/s) below it count as rest: with poles of a few 1/s what is left to go is as small, in rad or m."""

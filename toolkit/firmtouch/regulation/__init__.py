@@ -5,7 +5,8 @@ from firmtouch.regulation.controllers import Controller, closed_loop_acceleratio
 from firmtouch.regulation.equilibrium import Equilibrium, NoEquilibriumError, closed_loop_equilibrium
 from firmtouch.regulation.gains import Gains
 from firmtouch.regulation.lyapunov import lyapunov
-from firmtouch.regulation.operating_point import OperatingPoint, find_operating_point, project
+from firmtouch.regulation.operating_point import OperatingPoint, find_operating_point
+from firmtouch.regulation.projection import project
 from firmtouch.regulation.split import Split, split_directions
 from firmtouch.regulation.state_space import state_space
 from firmtouch.regulation.steady_state import SteadyState, SteadyStateError, steady_state_errors

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from firmtouch.mechanics import Array
-from firmtouch.regulation.operating_point import Surface
+from firmtouch.regulation.projection import Surface
 
 MOST_STEPS: Final = 12
 ON_SURFACE: Final = 1e-11

@@ -3,26 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Final, Protocol
+from typing import Final
 
 import numpy as np
 
 from firmtouch.errors import NoDesignError
 from firmtouch.mechanics import Array, Plant
-from firmtouch.mechanics.arrays import frozen, symmetric
+from firmtouch.mechanics.arrays import frozen
 from firmtouch.regulation.inverse_kinematics import Reached
+from firmtouch.regulation.projection import RANK, OffSurfaceError, Projection, project, short
 from firmtouch.regulation.reaching import reach_configuration
+from firmtouch.regulation.redundancy import DependentConstraintsError, remedy_for, row_dependencies
 
-MOST_STEPS: Final = 60
-LARGEST_STEP: Final = 0.5
-ON_SURFACE: Final = 1e-12
-"""Phi(q_d), in metres or radians: what Newton's method reaches in double precision for mechanisms of metre size."""
 NEAR_SURFACE: Final = 1e-3
 """How far a stated q_d may miss the constraints (in the unit of Phi) and still be taken as a rounded one."""
 IN_RANGE: Final = 1e-6
 """The part of f_d, relative to it, that may lie outside the range of J^T: file values are rounded."""
-RANK: Final = 1e-9
-"""Singular values of J below this part of the largest count as zero."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,51 +54,15 @@ class OperatingPoint:
         return self.plant.m
 
 
-class Surface(Protocol):
-    """Constraints as functions of q: a plant's own, or what they truly are."""
-
-    def Phi(self, q: Array, /) -> Array:
-        """Give the constraint functions, m."""
-
-    def J(self, q: Array, /) -> Array:
-        """Give their gradients, m x n."""
-
-
-@dataclass(frozen=True, slots=True)
-class Projection:
-    """Where Newton's method went, and what |Phi| it left."""
-
-    q: Array
-    residual: float
-    moved: float
-    reached: Reached | None = None
-
-
-class OffSurfaceError(NoDesignError):
-    """The constraints cannot be met near the given configuration."""
-
-    def __init__(self, message: str, projection: Projection) -> None:
-        self.projection = projection
-        super().__init__(message)
-
-
 class ForceOutOfRangeError(NoDesignError):
     """f_d is no constraint force: `part` of it (relative) lies outside the range of J^T."""
 
     def __init__(self, part: float, outside: Array) -> None:
         self.part, self.outside = part, outside
         super().__init__(
-            f"f_d is no constraint force: {part:.2%} of it lies outside the range of J^T (the part {_short(outside)}); "
+            f"f_d is no constraint force: {part:.2%} of it lies outside the range of J^T (the part {short(outside)}); "
             "the constraints can only carry f_d = J^T lambda_d, so give `lambda_d` instead"
         )
-
-
-class DependentConstraintsError(NoDesignError):
-    """J has not full row rank; `dependencies` says which rows are combinations of which."""
-
-    def __init__(self, rank: int, dependencies: tuple[str, ...]) -> None:
-        self.rank, self.dependencies = rank, dependencies
-        super().__init__(f"the constraints are redundant at q_d (J has rank {rank}): {'; '.join(dependencies)}")
 
 
 class OutsideLimitsError(NoDesignError):
@@ -133,9 +93,9 @@ def find_operating_point(plant: Plant) -> OperatingPoint:
     if outside:
         raise OutsideLimitsError(outside)
     J = plant.J(q_d.q)
-    rank, dependencies = row_dependencies(plant, J)
-    if dependencies:
-        raise DependentConstraintsError(rank, dependencies)
+    found = row_dependencies(plant, J)
+    if found.rows:
+        raise DependentConstraintsError(found.rank, found.words, remedy_for(plant, q_d.q, found))
     if spec.lambda_d is not None:
         lambda_d = frozen([spec.lambda_d[name] for name in plant.spec.constraints])
     else:
@@ -159,7 +119,7 @@ def operating_point_at(plant: Plant, projection: Projection, lambda_d: Array) ->
         g=plant.P_q(q_d),
         P_qq=P_qq,
         constraint_hessians=Phi_qq,
-        N0=symmetric(P_qq - np.tensordot(lambda_d, Phi_qq, axes=1)),  # of Eq. (14)
+        N0=plant.N0(q_d, lambda_d),
         residual=projection.residual,
         moved=projection.moved,
         reached=projection.reached,
@@ -187,41 +147,6 @@ def locate(plant: Plant) -> Projection:
     return project(plant, start)
 
 
-def project(surface: Surface, start: Array) -> Projection:
-    """Project a configuration onto Phi(q) = 0 by Newton's method with the step of least norm.
-
-    Raises
-    ------
-    OffSurfaceError
-        If it does not converge; its `projection` says how far it came.
-    """
-    q = np.array(start)
-    best, best_residual = q, np.inf
-    for _ in range(MOST_STEPS):
-        Phi = surface.Phi(q)
-        residual = float(np.max(np.abs(Phi)))
-        if not np.isfinite(residual):
-            break
-        if residual < best_residual:
-            best, best_residual = q, residual
-        elif best_residual <= ON_SURFACE:
-            break
-        J = surface.J(q)
-        if not np.all(np.isfinite(J)):
-            break
-        step = np.linalg.lstsq(J, -Phi, rcond=RANK)[0]
-        length = float(np.linalg.norm(step))
-        q = q + step * min(1.0, LARGEST_STEP / length if length else 1.0)
-    projection = Projection(frozen(best), best_residual, float(np.linalg.norm(best - start)))
-    if not best_residual <= ON_SURFACE * max(1.0, float(np.max(np.abs(best)))):
-        raise OffSurfaceError(
-            f"no configuration near the given one satisfies the constraints: Newton's method came to {_short(best)}, "
-            f"where the largest |phi| is {best_residual:.3g}",
-            projection,
-        )
-    return projection
-
-
 def constraint_force_of(plant: Plant, J: Array) -> tuple[float, Array, Array]:
     """Solve f_d = J^T lambda_d: the relative part outside the range of J^T, that part itself, and lambda_d."""
     given = plant.spec.operating_point.f_d
@@ -242,27 +167,3 @@ def outside_limits(plant: Plant, q: Array) -> tuple[str, ...]:
                 f"`{name}` at {value:.4g} {each.unit}, and its limits are {each.lower:.4g} to {each.upper:.4g}"
             )
     return tuple(found)
-
-
-def row_dependencies(plant: Plant, J: Array) -> tuple[int, tuple[str, ...]]:
-    """Find the rank of J and, for each redundant row, which rows above it make it up."""
-    names = list(plant.spec.constraints)
-    scale = float(np.linalg.norm(J, 2)) or 1.0
-    kept: list[int] = []
-    found = []
-    for j, row in enumerate(J):
-        if not kept:
-            weights, rest = np.zeros(0), row
-        else:
-            weights = np.linalg.lstsq(J[kept].T, row, rcond=None)[0]
-            rest = row - J[kept].T @ weights
-        if float(np.linalg.norm(rest)) > RANK * scale:
-            kept.append(j)
-            continue
-        terms = [f"{w:+.4g} {names[k]}" for w, k in zip(weights, kept, strict=True) if abs(w) > RANK]
-        found.append(f"the gradient of `{names[j]}` is {' '.join(terms) if terms else 'zero'}")
-    return len(kept), tuple(found)
-
-
-def _short(values: Array) -> str:
-    return "(" + ", ".join(f"{each:.4g}" for each in values) + ")"

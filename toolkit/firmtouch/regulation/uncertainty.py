@@ -19,7 +19,8 @@ from firmtouch.mechanics.arrays import frozen, symmetric
 from firmtouch.modelfile import ModelSpec
 from firmtouch.regulation.dependence import Axis, Control, axes_of, controls_of, remainders_of, response_of
 from firmtouch.regulation.enlargement import enlargement_of
-from firmtouch.regulation.operating_point import OperatingPoint, Projection, operating_point_at
+from firmtouch.regulation.operating_point import OperatingPoint, operating_point_at
+from firmtouch.regulation.projection import Projection
 
 MOST_VERTICES: Final = 256
 

@@ -27,9 +27,18 @@ _GREEK: Final = frozenset(
 )  # fmt: skip
 _NAME: Final = re.compile(r"(?P<stem>[A-Za-z]+?)_?(?P<index>[0-9]*)")
 
+_WORDS: Final = re.compile(r"(?P<stem>(?P<first>[A-Za-z]{2,})_[A-Za-z0-9_]*?[A-Za-z])_?(?P<index>[0-9]*)")
+
 
 def symbol(name: str) -> str:
-    """Write a name of a model file as a symbol: `q1` as q with index 1, `x_wall` as x with index "wall"."""
+    """Write a name of a model file as a symbol: `q1` as q with index 1, `x_wall` as x with index "wall".
+
+    Names of several words, as robots' joints have them, are written so: `left_wrist_1` as left wrist with index 1.
+    """
+    words = _WORDS.fullmatch(name)
+    if words is not None and words["first"] not in _GREEK:
+        index = words["index"]
+        return f'upright("{words["stem"].replace("_", " ")}")' + (f"_({index})" if index else "")
     stem, _, tail = name.partition("_")
     match = _NAME.fullmatch(stem)
     if match is None:

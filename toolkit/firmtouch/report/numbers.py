@@ -60,9 +60,14 @@ def matrix(values: Array, figures: int = 4) -> tuple[tuple[str, ...], ...]:
 
 def vector(values: Iterable[float], figures: int = 3) -> str:
     """Write a vector in a line."""
-    entries = [float(each) for each in values]
-    scale = max((abs(each) for each in entries), default=0.0)
-    return "(" + ", ".join(_entry(each, scale, figures) for each in entries) + ")"
+    return "(" + ", ".join(entries(values, figures)) + ")"
+
+
+def entries(values: Iterable[float], figures: int = 4) -> tuple[str, ...]:
+    """Write numbers that belong together, rounding beside the largest of them as 0."""
+    listed = [float(each) for each in values]
+    scale = max((abs(each) for each in listed), default=0.0)
+    return tuple(_entry(each, scale, figures) for each in listed)
 
 
 def unit(text: str) -> str:

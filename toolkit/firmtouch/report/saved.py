@@ -15,7 +15,8 @@ from firmtouch.mechanics.arrays import frozen
 from firmtouch.modelfile import ModelFile, parse_model
 from firmtouch.modelfile.files import kept
 from firmtouch.regulation import ClosedLoop, Gains, close_loop
-from firmtouch.regulation.operating_point import ON_SURFACE, Projection, operating_point_at
+from firmtouch.regulation.operating_point import operating_point_at
+from firmtouch.regulation.projection import ON_SURFACE, Projection
 from firmtouch.report.design_json import SCHEMA
 
 LONGEST: Final = 16_000_000

@@ -6,7 +6,7 @@ of the force feedback included, written out once.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from typing import Final
 
@@ -73,15 +73,20 @@ def input_of(feedback: Feedback) -> Input:
     return Input.FILTERED if path.lag else Input.CONTACT
 
 
-def derive_dae(loop: ClosedLoop, feedback: Feedback, *, sinusoids: int = 0) -> Dae:
-    """Write out the closed loop for a feedback and a number of disturbances that swing; any world can be put in."""
+def derive_dae(loop: ClosedLoop, feedback: Feedback, *, sinusoids: int = 0, within_limits: bool = False) -> Dae:
+    """Write out the closed loop for a feedback and a number of disturbances that swing; any world can be put in.
+
+    Drives' limits inside an algebraic loop take ten times the operations of all else. Equations that hold
+    `within_limits` leave them out; u tells whether they do.
+    """
     op, source = loop.operating_point, input_of(feedback)
     n, m, filtered = op.n, op.m, feedback.path.lag > 0
     layout = _layout(n, m, len(op.plant.p), sinusoids, source)
     column, given = layout.symbols()
     t, q, qdot, y = ca.SX.sym("t"), ca.SX.sym("q", n), ca.SX.sym("qdot", n), ca.SX.sym("y", m if filtered else 0)
     law = control_law(op, loop.gains, feedback.controller, P_d=feedback.P_d)
-    motion = Motion(loop, feedback, given, q=q, qdot=qdot, d=_force(given, t, sinusoids))
+    drives = replace(feedback, limits=None) if within_limits else feedback
+    motion = Motion(loop, drives, given, q=q, qdot=qdot, d=_force(given, t, sinusoids))
     past = _remembered(given, t, m) if source is Input.REMEMBERED else y
     if source is Input.HELD:
         u = given["held"]

@@ -1,4 +1,4 @@
-"""Where a run must end before its time: contact that would be lost, and motion that runs away."""
+"""Where a run must end before its time: contact that is lost, joints beyond their limits, motion that runs away."""
 
 from __future__ import annotations
 
@@ -46,6 +46,26 @@ def lost_contact(samples: Samples, signs: Array) -> int | None:
         dips = (bend > 0) & (np.abs(slope) < 2 * bend) & (lowest < 0)
     pulls[1:-1] |= np.any(dips, axis=0) & even
     return int(np.argmax(pulls)) if np.any(pulls) else None
+
+
+def beyond_limits(samples: Samples, op: OperatingPoint) -> tuple[int, str] | None:
+    """Find the first instant at which a joint is beyond its position limits or faster than it can be, and say which."""
+    n, coordinates = op.n, op.plant.spec.coordinates
+    lower, upper, fastest = (
+        np.array(each)[:, None]
+        for each in zip(*((c.lower, c.upper, c.fastest) for c in coordinates.values()), strict=True)
+    )
+    q, qdot = samples.x[:n], samples.x[n : 2 * n]
+    wrong = (q < lower) | (q > upper) | (np.abs(qdot) > fastest)
+    ended = np.any(wrong, axis=0)
+    if not np.any(ended):
+        return None
+    i = int(np.argmax(ended))
+    j = int(np.argmax(wrong[:, i]))
+    name, each = list(coordinates.items())[j]
+    if abs(qdot[j, i]) > fastest[j, 0]:
+        return i, f"`{name}` moved at {abs(qdot[j, i]):.3g} {each.unit}/s, and {each.fastest:.3g} is its limit"
+    return i, f"`{name}` was at {q[j, i]:.4g} {each.unit}, and its limits are {each.lower:.4g} to {each.upper:.4g}"
 
 
 def ran_away(samples: Samples, loop: ClosedLoop, distance: float) -> tuple[int, str] | None:

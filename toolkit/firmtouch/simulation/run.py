@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -13,11 +15,12 @@ from firmtouch.modelfile.vector_units import units_of
 from firmtouch.regulation import ClosedLoop, OperatingPoint
 from firmtouch.regulation.equilibrium import Equilibrium, NoEquilibriumError, solve_rest
 from firmtouch.simulation.continuous import ContinuousRun, Integrator, build_integrator, even_points
-from firmtouch.simulation.dae import Dae, Input, derive_dae, parameters_of
-from firmtouch.simulation.ending import contact_signs, force_scale, lost_contact, ran_away
+from firmtouch.simulation.dae import Dae, Input, derive_dae, input_of, parameters_of
+from firmtouch.simulation.ending import beyond_limits, contact_signs, force_scale, lost_contact, ran_away
 from firmtouch.simulation.many import with_fast_outputs
+from firmtouch.simulation.on_demand import OnDemand
 from firmtouch.simulation.samples import Samples
-from firmtouch.simulation.scenario import Scenario
+from firmtouch.simulation.scenario import Feedback, Scenario
 from firmtouch.simulation.start import consistent_start
 from firmtouch.simulation.stepwise import Stepper, build_stepper, run_stepwise
 from firmtouch.simulation.trajectory import Outcome, Trajectory
@@ -26,23 +29,39 @@ from firmtouch.simulation.world import World
 TOLERANCE: Final = 1e-10
 ARRIVED: Final = 1e-3
 """Distance from an equilibrium (rad or m), speed (per second) and part of the forces that count as rest there."""
+NEAR_LIMIT: Final = 0.98
+"""The part of a drive's limit up to which it is certainly not at it: samples are a sixteenth of a period apart."""
 AT_REST: Final = 1e-5
 """Distance from q_d (rad or m) of which no word is worth making."""
 
 
 @dataclass(frozen=True, slots=True)
 class Simulator:
-    """A closed loop under one feedback, ready to run in any world with this number of swinging disturbances."""
+    """A closed loop under one feedback, ready to run in any world with this number of swinging disturbances.
+
+    Where `limited` is given, `dae` holds while no drive reaches its limit, and that is the one for all else.
+    """
 
     dae: Dae
     machine: Integrator | Stepper
+    limited: OnDemand[Simulator] | None = None
 
 
 def build_simulator(loop: ClosedLoop, scenario: Scenario, *, tolerance: float = TOLERANCE, runs: int = 1) -> Simulator:
     """Derive the equations of a scenario's feedback, and set up their integrator, for a number of `runs` to come."""
-    dae = derive_dae(loop, scenario.feedback, sinusoids=len(scenario.world.sinusoids))
-    stepwise = dae.input in (Input.HELD, Input.REMEMBERED)
-    if stepwise:
+    feedback, sinusoids = scenario.feedback, len(scenario.world.sinusoids)
+    if input_of(feedback) is not Input.CONTACT or feedback.limits is None:
+        return _build(loop, feedback, sinusoids, tolerance, runs)
+    limited = OnDemand(partial(_build, loop, feedback, sinusoids, tolerance, runs))
+    free = _build(loop, feedback, sinusoids, tolerance, runs, within_limits=True)
+    return replace(free, limited=limited)
+
+
+def _build(
+    loop: ClosedLoop, feedback: Feedback, sinusoids: int, tolerance: float, runs: int, *, within_limits: bool = False
+) -> Simulator:
+    dae = derive_dae(loop, feedback, sinusoids=sinusoids, within_limits=within_limits)
+    if dae.input in (Input.HELD, Input.REMEMBERED):
         return Simulator(dae, build_stepper(dae, tolerance))
     machine = build_integrator(dae, tolerance, even_points(), runs=runs)
     return Simulator(with_fast_outputs(dae, runs), machine)
@@ -60,21 +79,21 @@ def simulate(
     """
     op, world = loop.operating_point, scenario.world
     simulator = simulator or build_simulator(loop, scenario, tolerance=tolerance)
-    dae, machine = simulator.dae, simulator.machine
+    dae = simulator.dae
     projection, qdot = consistent_start(op, world, scenario.start)
     x = np.concatenate([projection.q, qdot, op.lambda_d if dae.filtered else []])
     distance = float(np.max(np.abs(projection.q - op.q_d)))
     signs = contact_signs(op)
 
     def ended(samples: Samples) -> int | None:
-        away = ran_away(samples, loop, distance)
-        found = [each for each in (lost_contact(samples, signs), away and away[0]) if each is not None]
-        return min(found, default=None)
+        others = [each[0] for each in (ran_away(samples, loop, distance), beyond_limits(samples, op)) if each]
+        lost = lost_contact(samples, signs)
+        return min(others if lost is None else [lost, *others], default=None)
 
-    if isinstance(machine, Integrator):
-        samples, failed = ContinuousRun(dae, machine, ended).follow(world, x, scenario.duration)
-    else:
-        samples, failed = run_stepwise(dae, machine, scenario, x, ended)
+    samples, failed = _follow(simulator, scenario, x, ended)
+    if simulator.limited is not None and _meets_limits(samples, dae.feedback.limits):
+        simulator = simulator.limited()
+        samples, failed = _follow(simulator, scenario, x, ended)
     rest = find_equilibrium(dae, world, float(samples.t[-1]))
     outcome, reason = _ended_early(samples, loop, distance) or _failed(failed) or _at_the_end(samples, op, rest)
     n = op.n
@@ -83,6 +102,20 @@ def simulate(
         frozen(samples.lambda_.T), frozen(samples.u.T), frozen(samples.Phi.T),
         outcome, reason, projection.moved, rest,
     )  # fmt: skip
+
+
+def _follow(
+    simulator: Simulator, scenario: Scenario, x: Array, ended: Callable[[Samples], int | None]
+) -> tuple[Samples, float | None]:
+    if isinstance(simulator.machine, Integrator):
+        run = ContinuousRun(simulator.dae, simulator.machine, ended)
+        return run.follow(scenario.world, x, scenario.duration)
+    return run_stepwise(simulator.dae, simulator.machine, scenario, x, ended)
+
+
+def _meets_limits(samples: Samples, limits: Array | None) -> bool:
+    """Tell whether a drive comes to its limit, or so near to it that it may between two samples."""
+    return limits is not None and not np.all(np.abs(samples.u) <= NEAR_LIMIT * limits[:, None])
 
 
 def find_equilibrium(dae: Dae, world: World, t: float) -> Equilibrium | None:
@@ -107,6 +140,9 @@ def _ended_early(samples: Samples, loop: ClosedLoop, distance: float) -> tuple[O
     away = ran_away(samples, loop, distance)
     if away is not None:
         return Outcome.DIVERGED, f"diverged at {t:.4g} s: {away[1]}"
+    beyond = beyond_limits(samples.since(-1), op)
+    if beyond is not None:
+        return Outcome.BEYOND_LIMITS, f"went beyond a limit at {t:.4g} s: {beyond[1]}"
     force = contact_signs(op) * samples.lambda_[:, -1]
     if np.any(force < 0):
         name = list(op.plant.spec.constraints)[int(np.argmin(force))]

@@ -9,7 +9,7 @@ import numpy as np
 from firmtouch.mechanics import Array, Plant
 from firmtouch.mechanics.arrays import frozen
 from firmtouch.regulation import OperatingPoint
-from firmtouch.regulation.operating_point import RANK, Projection, project
+from firmtouch.regulation.projection import RANK, Projection, project
 from firmtouch.simulation.scenario import Start
 from firmtouch.simulation.world import World
 

@@ -18,6 +18,7 @@ class Outcome(Enum):
     MOVING = "still moved at the end"
     DIVERGED = "diverged"
     CONTACT_LOST = "lost contact"
+    BEYOND_LIMITS = "went beyond a joint's limits"
     STOPPED = "could not be followed further"
 
     @property

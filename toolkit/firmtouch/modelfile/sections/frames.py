@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Final, Literal
 
 from pydantic import Field, StrictBool, ValidationInfo, model_validator
 
 from firmtouch.modelfile.expression import Problem
-from firmtouch.modelfile.fields import Checked, Expression, Text, declared, refuse
-from firmtouch.modelfile.fields.constant import constant_in
+from firmtouch.modelfile.fields import POSITIVE, Checked, Expression, Text, constant_in, declared, refuse, values_of
 from firmtouch.modelfile.rows import ROD, Row, contact_rows, join_rows, others, rail_rows
 from firmtouch.modelfile.sections.pose import FrameSpec, Vector3
 from firmtouch.modelfile.sections.section import Section
-from firmtouch.modelfile.sections.surface import SurfaceSpec
+from firmtouch.modelfile.sections.surface import Direction, SurfaceSpec
 from firmtouch.modelfile.words import listed, shown
 
 Axis = Literal["x", "y", "z"]
-Direction = Annotated[Expression, constant_in("1", size=3)]
+PARALLEL: Final = 1e-9
+"""The sine of the angle between two directions, below which they span no plane."""
 
 
 class RowOfFrames(Section):
@@ -125,13 +126,20 @@ class LineSpec(Section):
     direction: Direction = Field(description="where it leads, of any length")
     up: Direction | None = Field(None, description="square to it: with `hold: frame`, along the frame's y axis")
 
+    @model_validator(mode="after")
+    def _up_is_not_along(self) -> LineSpec:
+        along, up = values_of(self.direction), None if self.up is None else values_of(self.up)
+        if along is not None and up is not None and _parallel(along, up):
+            refuse(Problem("`up` points along the line itself", path=("up",)))
+        return self
+
 
 class CircleSpec(Section):
     """A round rail."""
 
     centre: Vector3
     axis: Direction = Field(description="square to its plane; with `hold: frame`, along the frame's y axis")
-    radius: Annotated[Expression, constant_in("m")]
+    radius: Annotated[Expression, constant_in("m", within=POSITIVE)]
 
 
 class CurveSpec(Section):
@@ -145,6 +153,19 @@ class CurveSpec(Section):
         if (self.line is None) == (self.circle is None):
             refuse(Problem("a rail is one `line` or one `circle`"))
         return self
+
+
+def _parallel(u: tuple[float, ...], v: tuple[float, ...]) -> bool:
+    """Tell whether two directions are the same, or opposite, but for rounding."""
+    (a, b, c), (x, y, z) = (tuple(each / math.hypot(*w) for each in w) for w in (u, v))
+    return math.hypot(b * z - c * y, c * x - a * z, a * y - b * x) < PARALLEL
+
+
+def _differ(frames: tuple[FrameSpec, FrameSpec], key: str) -> None:
+    """Refuse a link and itself, between which nothing moves."""
+    if frames[0].frame == frames[1].frame:
+        message = f"both are on the link {shown(frames[0].frame)}, which cannot move against itself"
+        refuse(Problem(message, path=(key, 1)))
 
 
 HOLDS: Final = "`point`: the origin; `axis`: the z axis too; `frame`: all of it"
@@ -175,8 +196,13 @@ class RailContact(OnFrames):
 class Rod(OnFrames):
     """Two points at a fixed distance."""
 
-    distance: Annotated[Expression, constant_in("m")] = Field(description="the rod's length")
+    distance: Annotated[Expression, constant_in("m", within=POSITIVE)] = Field(description="the rod's length")
     between: tuple[FrameSpec, FrameSpec] = Field(description="the frames whose origins it joins")
+
+    @model_validator(mode="after")
+    def _two_frames(self) -> Rod:
+        _differ(self.between, "between")
+        return self
 
     def all_rows(self) -> tuple[Row, ...]:
         """Give the one length."""
@@ -192,6 +218,11 @@ class Join(OnFrames):
 
     join: tuple[FrameSpec, FrameSpec] = Field(description="the two frames; gaps count along the first one's axes")
     hold: Literal["point", "axis", "frame"] = Field("frame", description=f"what coincides: {HOLDS}")
+
+    @model_validator(mode="after")
+    def _two_frames(self) -> Join:
+        _differ(self.join, "join")
+        return self
 
     def all_rows(self) -> tuple[Row, ...]:
         """Give three gaps, and the turns that are held."""

@@ -8,7 +8,16 @@ from pydantic import Field, ValidationInfo, model_validator
 
 from firmtouch.modelfile.declarations import Declarations
 from firmtouch.modelfile.expression import Problem
-from firmtouch.modelfile.fields import QUANTITY_SCHEMA, Checked, Label, declared, quantity_in, read_quantities, refuse
+from firmtouch.modelfile.fields import (
+    QUANTITY_SCHEMA,
+    Checked,
+    Label,
+    check_keys,
+    declared,
+    quantity_in,
+    read_quantities,
+    refuse,
+)
 from firmtouch.modelfile.sections.pose import FrameSpec
 from firmtouch.modelfile.sections.section import Section
 from firmtouch.modelfile.sections.surface import Direction, Place
@@ -26,6 +35,7 @@ def _multipliers(raw: object, info: ValidationInfo) -> dict[str, float]:
     known = declared(info)
     kinds = known.multipliers
     if isinstance(raw, dict):
+        check_keys((*raw, *known.optional), kinds, "constraint", complete=True)
         kinds = {name: kind for name, kind in kinds.items() if name in raw or name not in known.optional}
     values = read_quantities(raw, kinds, "constraint")
     return {name: values.get(name, 0.0) for name in known.multipliers}
@@ -62,6 +72,8 @@ class ReachSpec(Section):
     @model_validator(mode="after")
     def _contact_is_known(self, info: ValidationInfo) -> ReachSpec:
         contacts = declared(info).contacts
+        if declared(info).frames is None:
+            refuse(Problem("`reach` is for robots, and this `mechanism` is none; write a `guess`", at_key=True))
         if self.contact is not None and self.contact not in contacts:
             near = (self.contact, contacts)
             refuse(Problem(f"{shown(self.contact)} is no contact with a surface", path=("contact",), near=near))
@@ -95,9 +107,6 @@ class OperatingPointSpec(Section):
         if problems:
             refuse(*problems)
         known = declared(info)
-        if self.reach is not None and known.frames is None:
-            message = "`reach` is for robots, and this `mechanism` is none; write a `guess`"
-            refuse(Problem(message, path=("reach",), at_key=True))
         if self.normal_force is not None:
             if len(known.contacts) != 1:
                 message = "`normal_force` is for one contact with a surface; write `lambda_d`"

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import re
-from collections.abc import Mapping
-from typing import Annotated, Any, Final
+from collections.abc import Callable, Collection, Mapping
+from typing import Annotated, Final, TypeVar
 
-from pydantic import Field, StrictInt, ValidationInfo, model_validator
+from pydantic import Field, ValidationInfo, model_validator
 
 from firmtouch.errors import InputError, ModelFileError
 from firmtouch.modelfile.declarations import MOST_COORDINATES
@@ -18,6 +19,8 @@ from firmtouch.modelfile.fields import (
     Checked,
     Expression,
     Quantity,
+    Range,
+    constant_in,
     declared,
     expect_dimension,
     quantity_in,
@@ -25,19 +28,23 @@ from firmtouch.modelfile.fields import (
     read_quantity,
     refuse,
     under,
+    values_of,
 )
-from firmtouch.modelfile.fields.constant import constant_in
 from firmtouch.modelfile.fields.names import RESERVED
 from firmtouch.modelfile.sections.pose import LONGEST_FRAME, PoseSpec
 from firmtouch.modelfile.sections.section import Section
 from firmtouch.modelfile.sections.variables import Coordinate
 from firmtouch.modelfile.units import parse_unit
+from firmtouch.modelfile.urdf.inertial import ROUNDED
 from firmtouch.modelfile.urdf.moving import Moving, MovingJoint, locked_positions, matters, select_moving
-from firmtouch.modelfile.urdf.robot import UrdfRobot
+from firmtouch.modelfile.urdf.robot import JointType, UrdfRobot
 from firmtouch.modelfile.words import shown
 
 LONGEST_NAME: Final = 32
 PER_JOINT: Final = {"type": "object", "additionalProperties": QUANTITY_SCHEMA}
+COUNT: Final = {"type": "integer", "minimum": 1, "maximum": MOST_COORDINATES}
+NOT_NEGATIVE: Final = Range(least=0)
+T = TypeVar("T")
 EARTH: Final = (0.0, 0.0, -9.81)
 """Gravity where z points up, m/s^2."""
 
@@ -57,11 +64,18 @@ def _urdf(raw: object, info: ValidationInfo) -> UrdfRobot:
     return robot
 
 
+def _link(raw: object) -> str:
+    if not isinstance(raw, str) or not 0 < len(raw) <= LONGEST_FRAME:
+        refuse(Problem("the name of a link was expected"))
+    return raw
+
+
 def _tools(raw: object, info: ValidationInfo) -> tuple[str, ...]:  # noqa: ARG001  # the signature is pydantic's
-    names = raw if isinstance(raw, list) else [raw]
-    if not names or not all(isinstance(each, str) and 0 < len(each) <= LONGEST_FRAME for each in names):
+    if not isinstance(raw, list):
+        return (_link(raw),)
+    if not raw:
         refuse(Problem("the name of a link was expected, or a list of them"))
-    return tuple(dict.fromkeys(names))
+    return tuple(read_all(enumerate(raw), lambda _, each: _link(each)).values())
 
 
 def _locked(raw: object, info: ValidationInfo) -> dict[str, Quantity]:  # noqa: ARG001  # the signature is pydantic's
@@ -81,16 +95,26 @@ def _gravity(raw: object, info: ValidationInfo) -> tuple[float, float, float]:  
 class PayloadSpec(Section):
     """What a link of the robot carries."""
 
-    frame: Annotated[str, Checked(lambda raw, info: _tools(raw, info)[0], {"type": "string"})] | None = Field(
+    frame: Annotated[str, Checked(lambda raw, _: _link(raw), {"type": "string"})] | None = Field(
         None, description="the link that carries it; without it, the tool"
     )
-    mass: Annotated[Expression, constant_in("kg")] = Field(description="such as `1.5 kg`, or a parameter")
+    mass: Annotated[Expression, constant_in("kg", within=NOT_NEGATIVE)] = Field(
+        description="such as `1.5 kg`, or a parameter"
+    )
     centre_of_mass: Annotated[Expression, constant_in("m", size=3)] | None = Field(
         None, description="in the frame's axes; without it, at its origin"
     )
-    inertia: Annotated[Expression, constant_in("kg*m^2", size=3)] | None = Field(
+    inertia: Annotated[Expression, constant_in("kg*m^2", size=3, within=NOT_NEGATIVE)] | None = Field(
         None, description="moments about its centre of mass along the frame's axes; without it, a point mass"
     )
+
+    @model_validator(mode="after")
+    def _some_body_has_these_moments(self) -> PayloadSpec:
+        moments = None if self.inertia is None else values_of(self.inertia)
+        if moments is not None and max(moments) > (1 + ROUNDED) * (sum(moments) - max(moments)):
+            message = f"no body has these moments: {max(moments):g} exceeds the sum of the others"
+            refuse(Problem(message, path=("inertia",)))
+        return self
 
 
 class Robot(Section):
@@ -128,34 +152,38 @@ class UrdfMechanism(Robot):
     @model_validator(mode="after")
     def _something_moves(self) -> UrdfMechanism:
         with under("locked"):
-            self._check_locked()
-        try:
-            stopped = locked_positions(self.urdf, self.positions())
-        except InputError as error:
-            refuse(Problem(str(error), path=("locked",)))
-        try:
-            matters(self.urdf, stopped, self.tool)
-        except InputError as error:
-            refuse(Problem(str(error), path=("tool",)))
-        try:
-            moving = self.moving()
-        except InputError as error:
-            refuse(Problem(str(error)))
+            read_all(self.locked.items(), self._check_locked)
+        stopped = locked_positions(self.urdf, self.positions())
+        with under("tool"):
+            read_all(enumerate(self.tool), lambda _, each: _asked(lambda: matters(self.urdf, stopped, (each,))))
+        moving = _asked(self.moving)
+        if len(moving.leaders) > MOST_COORDINATES:
+            message = f"{len(moving.leaders)} joints move, and at most {MOST_COORDINATES} are read"
+            refuse(Problem(f"{message}: name the `tool`, or lock some"))
         if self.base is not None and any(each.names for each in self.base.expressions()):
             refuse(Problem("the robot's place is made of numbers alone, without parameters", path=("base",)))
-        carrier = self.payload.frame if self.payload else None
-        if carrier is not None and carrier not in moving.links:
-            refuse(Problem(f"the robot carries no link {shown(carrier)}", path=("payload", "frame")))
-        if self.payload is not None and carrier is None and len(self.tool) != 1:
-            refuse(Problem("which link carries it? Give its `frame`", path=("payload",)))
+        if self.payload is not None:
+            with under("payload"):
+                self._check_carrier(self.payload.frame, moving, stopped)
         return self
 
-    def _check_locked(self) -> None:
-        for name, position in self.locked.items():
-            joint = self.urdf.joints.get(name)
-            if joint is not None:
-                with under(name):
-                    expect_dimension(position, parse_unit("m" if joint.type.value == "prismatic" else "rad").dimension)
+    def _check_locked(self, name: str, position: Quantity) -> None:
+        joint = self.urdf.joints.get(name)
+        if joint is not None:
+            expect_dimension(position, parse_unit("m" if joint.type is JointType.PRISMATIC else "rad").dimension)
+        _asked(lambda: locked_positions(self.urdf, {name: position.value}))
+
+    def _check_carrier(self, frame: str | None, moving: Moving, stopped: Mapping[str, float]) -> None:
+        if frame is None and len(set(self.tool)) != 1:
+            refuse(Problem("which link carries it? Give its `frame`"))
+        if frame is not None and frame not in moving.links:
+            message = f"the robot carries no link {shown(frame)}"
+            refuse(Problem(message, path=("frame",), near=(frame, moving.links)))
+        if frame is not None:
+            try:
+                matters(self.urdf, stopped, (frame,))
+            except InputError:
+                refuse(Problem(f"the payload is fixed to {shown(frame)}, which does not move", path=("frame",)))
 
     def positions(self) -> dict[str, float]:
         """Give the locked joints' positions."""
@@ -167,10 +195,13 @@ class UrdfMechanism(Robot):
 
     def coordinates(self) -> dict[str, Coordinate]:
         """Give the independent joints that move."""
-        names: dict[str, Coordinate] = {}
-        for each in self.moving().coordinates():
-            names[_usable(each.name, names)] = _coordinate(each)
-        return names
+        joints = self.moving().coordinates()
+        as_they_are = {each.name for each in joints if each.name == _usable(each.name, ())}
+        found: dict[str, Coordinate] = {}
+        for each in joints:
+            name = each.name if each.name in as_they_are else _usable(each.name, as_they_are | found.keys())
+            found[name] = _coordinate(each)
+        return found
 
     def frames(self) -> tuple[str, ...]:
         """Give the links that stand still or that the moving joints carry."""
@@ -178,18 +209,25 @@ class UrdfMechanism(Robot):
 
     def tools(self) -> tuple[str, ...]:
         """Give the tools, as named."""
-        return self.tool
+        return tuple(dict.fromkeys(self.tool))
 
 
-def _usable(name: str, taken: Mapping[str, Any]) -> str:
+def _asked(question: Callable[[], T]) -> T:
+    """Report at this place what cannot be."""
+    try:
+        return question()
+    except ModelFileError:
+        raise  # a mistake in the robot's own file
+    except InputError as error:
+        refuse(Problem(str(error)))
+
+
+def _usable(name: str, taken: Collection[str]) -> str:
     """Make a joint's name one that expressions can use: letters, digits and `_`, 32 at most, not taken."""
     usable = re.sub(r"[^A-Za-z0-9_]", "_", name)
     usable = usable if re.match("[A-Za-z]", usable) and usable not in RESERVED else f"q_{usable}"
-    usable, count = usable[:LONGEST_NAME], 1
-    while usable in taken:
-        count += 1
-        usable = f"{usable[: LONGEST_NAME - 4]}_{count}"
-    return usable
+    choices = (f"{usable[: LONGEST_NAME - 4]}_{count}" for count in itertools.count(2))
+    return next(each for each in itertools.chain([usable[:LONGEST_NAME]], choices) if each not in taken)
 
 
 def _coordinate(joint: MovingJoint) -> Coordinate:
@@ -213,10 +251,16 @@ def _coordinate(joint: MovingJoint) -> Coordinate:
     )
 
 
+def _count(raw: object) -> int:
+    if not isinstance(raw, int) or isinstance(raw, bool) or not 1 <= raw <= MOST_COORDINATES:
+        refuse(Problem(f"a whole number from 1 to {MOST_COORDINATES} was expected"))
+    return raw
+
+
 class ChainSpec(Section):
     """n equal uniform rods in the x-y plane, hinged about z one to the next, hanging from the origin."""
 
-    n: Annotated[StrictInt, Field(ge=1, le=MOST_COORDINATES)] = Field(description="the number of links")
+    n: Annotated[int, Checked(lambda raw, _: _count(raw), COUNT)] = Field(description="the number of links")
     length: Annotated[float, quantity_in("m", least=1e-9)] = Field(description="of one link")
     mass: Annotated[float, quantity_in("kg", least=1e-9)] = Field(description="of one link")
     gravity: Annotated[float, quantity_in("m/s^2")] = Field(9.81, description="against y")

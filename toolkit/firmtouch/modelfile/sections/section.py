@@ -25,7 +25,7 @@ class ShortSection(Section):
     @model_validator(mode="before")
     @classmethod
     def _shorthand(cls, raw: Any) -> Any:  # noqa: ANN401  # whatever the file holds
-        return raw if isinstance(raw, dict | cls) or raw is None else {cls.short_for: raw}
+        return raw if isinstance(raw, dict | cls) else {cls.short_for: raw}
 
     @classmethod
     def __get_pydantic_json_schema__(cls, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:

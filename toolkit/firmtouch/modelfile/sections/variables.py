@@ -86,6 +86,11 @@ class Coordinate(ShortSection):
         return self
 
     @property
+    def fastest(self) -> float:
+        """The greatest speed, or inf."""
+        return self.velocity.value if self.velocity else math.inf
+
+    @property
     def lower(self) -> float:
         """The least position, or -inf."""
         return self.limits[0].value if self.limits else -math.inf

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from firmtouch.design import Design
-from firmtouch.report.contents.operating_point import as_matrix
+from firmtouch.report.contents.operating_point import as_matrix, as_vector
 from firmtouch.report.contents.region_words import is_choice_of_blocks, is_uncertain
 from firmtouch.report.document import Code, Equation, Line, Math, Matrices, Paragraph, Section
 
@@ -42,7 +42,7 @@ def section(design: Design) -> Section:
                     as_matrix("W", gains.W),
                     as_matrix("C", gains.C),
                     as_matrix("G_f", gains.G_f),
-                    as_matrix("g - J^T lambda_d", gains.bias),
+                    as_vector("g - J^T lambda_d", gains.bias),
                 )
             ),
             Paragraph(_assigned(design) if design.region is None else _searched(design, design.region)),

@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from firmtouch.design import Design
-from firmtouch.mechanics import Scene
+from firmtouch.mechanics import Array, Scene
 from firmtouch.modelfile.vector_units import units_of
 from firmtouch.report.contents.prose import prose
 from firmtouch.report.contents.region_words import is_uncertain, slowest
 from firmtouch.report.contents.verdict import verdict
 from firmtouch.report.document import Block, Callout, Card, Cards, Figure, Paragraph, Section
 from firmtouch.report.figures import mechanism_picture
-from firmtouch.report.figures.mechanism import force_label, shown_forces
+from firmtouch.report.figures.extent import force_label, shown_forces
 from firmtouch.report.numbers import number
 
 
@@ -45,14 +45,36 @@ def _cards(design: Design) -> Cards:
 
 
 def _picture(scene: Scene) -> Figure:
-    forces = [f"{each.constraint}: {force_label(each)}" for each in shown_forces(scene)]
+    forces = [f"{each.constraint.replace('_', ' ')}: {force_label(each)}" for each in shown_forces(scene)]
     caption = "The mechanism at q_d"
     if scene.ghosts:
         caption += ", and in pale where the constraints let it go"
     if forces:
         caption += f". Red: the contact force on the mechanism ({'; '.join(forces)})"
     if scene.patches:
-        caption += ". Dashed: the surface's tangent plane and normal n where it is touched"
-    surfaces = len(scene.walls + scene.rounds) + len(scene.patches)
-    alt = f"Drawing of the mechanism with {len(scene.lines)} chains of links touching {surfaces} surfaces"
+        caption += ". Dashed: the surface's tangent plane where it is touched, with its normal n"
+    if scene.held:
+        caption += ". The box stands for what joined frames hold between them; its height and depth mean nothing"
+    alt = f"Drawing of the mechanism: {', '.join(_seen(scene))}"
     return Figure(mechanism_picture(scene), prose(f"{caption}."), alt, 0.82)
+
+
+def _seen(scene: Scene) -> list[str]:
+    """List what is drawn, for those who cannot see it."""
+    surfaces = len(scene.walls) + len(scene.rounds) + len(scene.patches)
+    counted = (
+        (len(scene.lines), "chain of links", "chains of links"),
+        (surfaces, "surface that it touches", "surfaces that it touches"),
+        (len(scene.held), "body held between two joined frames", "bodies held between joined frames"),
+        (len(scene.rails), "rail or rod", "rails or rods"),
+        (len(shown_forces(scene)), "contact force", "contact forces"),
+    )
+    found = [f"{count} {one if count == 1 else many}" for count, one, many in counted if count]
+    reaches = [
+        f"chain {i} from ({_place(line[0])}) m to ({_place(line[-1])}) m" for i, line in enumerate(scene.lines, start=1)
+    ]
+    return [*found, *reaches]
+
+
+def _place(point: Array) -> str:
+    return ", ".join(number(float(each), 2) for each in np.round(point, 3))

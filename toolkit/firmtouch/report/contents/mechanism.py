@@ -8,6 +8,7 @@ from typing import Any, Final
 
 from firmtouch.design import Design
 from firmtouch.mechanics.symbolic import SymbolicPlant
+from firmtouch.report.contents.robot import is_robot, recursion, robot
 from firmtouch.report.document import Block, Code, Equation, Line, Math, Paragraph, Section, Table
 from firmtouch.report.mathematics import formula, symbol, tidy
 from firmtouch.report.numbers import number, unit
@@ -36,11 +37,11 @@ def section(design: Design) -> Section:
                 ". All numbers are in SI units.",
             )
         ),
-        _coordinates(design),
+        *(robot(design) if is_robot(design) else (_coordinates(design),)),
     ]
     if spec.parameters:
         blocks.append(_parameters(design))
-    blocks += _equations(design)
+    blocks += [recursion(design)] if is_robot(design) else _equations(design)
     return Section("Model", tuple(blocks))
 
 

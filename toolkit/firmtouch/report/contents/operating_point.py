@@ -2,19 +2,29 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 
 from firmtouch.design import Design
 from firmtouch.mechanics import Array
+from firmtouch.report.contents.reached import configurations
 from firmtouch.report.document import Block, Equation, Line, Math, Matrices, Matrix, Paragraph, Section, Table
 from firmtouch.report.mathematics import symbol
-from firmtouch.report.numbers import matrix, number
+from firmtouch.report.numbers import entries, matrix, number
+
+LONGEST_COLUMN: Final = 8
+"""Entries up to which a column is written as one, and up to which a row has all figures."""
+FIGURES, FEWER_FIGURES = 4, 3
 
 
 def section(design: Design) -> Section:
     """Write the operating point."""
     op = design.loop.operating_point
-    found = f"the projection moved the given configuration by {number(op.moved, 2)}" if op.moved else "as given"
+    if op.reached is not None:
+        found = "found by inverse kinematics"
+    else:
+        found = f"the projection moved the given configuration by {number(op.moved, 2)}" if op.moved else "as given"
     blocks: list[Block] = [
         Paragraph(
             (
@@ -27,14 +37,15 @@ def section(design: Design) -> Section:
         ),
         _configuration(design),
         _multipliers(design),
-        Paragraph(("There the plant has",)),
+        *(configurations(op.reached, design.model.spec) if op.reached is not None else ()),
+        Paragraph(("There, with ", Math("g = P_q"), ", the plant has")),
         Matrices(
             (
                 as_matrix("M", op.M),
                 as_matrix("J", op.J),
-                as_matrix("g = P_q", op.g),
+                as_vector("g", op.g),
                 as_matrix("P_(q q)", op.P_qq),
-                *(as_matrix(name, H) for name, H in zip(hessian_names(design), op.constraint_hessians, strict=True)),
+                *_curvatures(design),
                 as_matrix("N_0", op.N0),
             )
         ),
@@ -54,22 +65,37 @@ def section(design: Design) -> Section:
 
 def as_matrix(name: str, values: Array, unit: str = "") -> Matrix:
     """Make the block of a matrix of numbers."""
-    return Matrix(Math(name), matrix(values), unit)
+    columns = values.shape[1] if values.ndim > 1 else 1
+    return Matrix(Math(name), matrix(values, FIGURES if columns <= LONGEST_COLUMN else FEWER_FIGURES), unit)
 
 
-def hessian_names(design: Design) -> list[str]:
-    """Name the constraint Hessians."""
-    names = list(design.model.spec.constraints)
-    return ["phi''"] if len(names) == 1 else [f"phi''_{j + 1}" for j in range(len(names))]
+def as_vector(name: str, values: Array) -> Matrix:
+    """Make the block of a column of numbers, laid on its side where it would be long."""
+    if len(values) <= LONGEST_COLUMN:
+        return as_matrix(name, values)
+    plain = name.isalpha()
+    return as_matrix(f"{name}^T" if plain else f"({name})^T", values[None, :])
+
+
+def _curvatures(design: Design) -> tuple[Matrix, ...]:
+    """Give the constraint Hessians, or of many large ones what they come to."""
+    op = design.loop.operating_point
+    if op.n > LONGEST_COLUMN and op.m > 1:
+        weighted = np.tensordot(op.lambda_d, op.constraint_hessians, axes=1)
+        return (as_matrix("sum_j lambda_(d j) phi''_j", weighted),)
+    names = ["phi''"] if op.m == 1 else [f"phi''_{j + 1}" for j in range(op.m)]
+    return tuple(as_matrix(name, each) for name, each in zip(names, op.constraint_hessians, strict=True))
 
 
 def _configuration(design: Design) -> Table:
     op, spec = design.loop.operating_point, design.model.spec
     rows = []
-    for i, (name, each) in enumerate(spec.coordinates.items()):
-        degrees = f"{number(float(np.degrees(op.q_d[i])), 4)}°" if each.unit == "rad" else ""
+    listed = zip(
+        spec.coordinates.items(), entries(op.q_d, 6), entries(np.degrees(op.q_d)), entries(op.f_d), strict=True
+    )
+    for (name, each), q_d, degrees, f_d in listed:
         effort = "N m" if each.unit == "rad" else "N"
-        texts = (number(float(op.q_d[i]), 6), each.unit, degrees, f"{number(float(op.f_d[i]))} {effort}")
+        texts = (q_d, each.unit, f"{degrees}°" if each.unit == "rad" else "", f"{f_d} {effort}")
         row: tuple[Line, ...] = ((Math(symbol(name)),), *((text,) for text in texts))
         rows.append(row)
     headings = (("coordinate",), (Math("q_d"),), ("unit",), ("",), (Math("f_d"),))

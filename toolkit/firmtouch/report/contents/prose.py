@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import Final
 
-from firmtouch.report.document import Line, Math, Span
+from firmtouch.report.document import Code, Line, Math, Span
 
 _SYMBOLS: Final = {
     "q_d": "q_d",
@@ -35,15 +35,17 @@ _SYMBOLS: Final = {
     "R^T R = I": "R^T R = I",
     "det R = 1": "det R = 1",
 }
-_PATTERN: Final = re.compile("|".join(re.escape(each) for each in sorted(_SYMBOLS, key=len, reverse=True)))
+_NAME: Final = r"`(?P<name>[^`]+)`"
+_PATTERN: Final = re.compile("|".join([_NAME, *map(re.escape, sorted(_SYMBOLS, key=len, reverse=True))]))
 
 
 def prose(text: str) -> Line:
-    """Set the symbols of a sentence."""
+    """Set the symbols of a sentence, and what stands between backticks as names of a file."""
     spans: list[Span] = []
     at = 0
     for match in _PATTERN.finditer(text):
-        spans += [text[at : match.start()], Math(_SYMBOLS[match.group()])]
+        name = match["name"]
+        spans += [text[at : match.start()], Code(name) if name else Math(_SYMBOLS[match.group()])]
         at = match.end()
     spans.append(text[at:])
     return tuple(each for each in spans if each != "")

@@ -57,10 +57,16 @@ def new_figure(width: float, height: float, *, layout: Literal["constrained"] | 
     return Figure(figsize=(width, height), layout=layout)
 
 
-def as_svg(figure: Figure, prefix: str) -> str:
-    """Give a figure as SVG; the prefix keeps ids apart when several stand on one page."""
+def as_svg(figure: Figure, prefix: str, *, within: tuple[float, float, float, float] | None = None) -> str:
+    """Give a figure as SVG; the prefix keeps ids apart when several stand on one page.
+
+    What lies outside of `within` (left, bottom, right, top, in inches) is cut off.
+    """
+    from matplotlib.transforms import Bbox
+
     buffer = io.StringIO()
-    figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None}, transparent=True)
+    part: dict[str, Any] = {"bbox_inches": Bbox.from_extents(*within)} if within else {}
+    figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None}, transparent=True, **part)
     text = buffer.getvalue()
     svg = re.sub(r"<metadata>.*?</metadata>", "", text[text.index("<svg") :], flags=re.DOTALL)
     svg = re.sub(r'\bid="([^"]+)"', rf'id="{prefix}-\1"', svg)

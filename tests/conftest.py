@@ -37,6 +37,16 @@ def plant(model) -> firmtouch.Plant:
 
 
 @pytest.fixture(scope="session")
+def place(plant) -> np.ndarray:
+    """Give a configuration where every expression of the file has a value: what it names, before any projection."""
+    point = plant.spec.operating_point
+    named = point.q_d or point.guess or (point.reach and point.reach.near)
+    if named is None:  # a robot that shall be at a point, the file does not say how
+        return firmtouch.find_operating_point(plant).q_d
+    return np.array([named[name] for name in plant.spec.coordinates])
+
+
+@pytest.fixture(scope="session")
 def op(plant) -> OperatingPoint:
     return firmtouch.find_operating_point(plant)
 

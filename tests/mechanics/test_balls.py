@@ -172,10 +172,9 @@ WHOLE = ("M", "J", "Phi", "P_q", "P_qq", "Phi_qq")
 
 
 @pytest.mark.parametrize("radius", [0.0, 1e-8, 0.03])
-def test_functions_of_shipped_models_are_enclosed_on_random_boxes(plant, rng, radius):
+def test_functions_of_shipped_models_are_enclosed_on_random_boxes(plant, place, rng, radius):
     """Balls of the whole function hold its value at random points of a random box, and halves give nothing outside."""
-    guess = plant.spec.operating_point.guess or plant.spec.operating_point.q_d
-    centre = [float(guess[name]) + 0.05 * rng.normal() for name in plant.spec.coordinates]
+    centre = (place + 0.05 * rng.normal(size=plant.n)).tolist()
     parameters = [arb(each) for each in plant.p.tolist()]
     for name in WHOLE:
         function = plant.functions[name]

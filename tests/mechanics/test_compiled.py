@@ -75,7 +75,8 @@ def test_the_mechanics_of_a_model_to_the_last_bit(cache, plant, rng):
     q, qdot = rng.normal(size=(2, plant.n))
     for name, each in taken.items():
         assert not made[name].is_a("SXFunction")
-        inputs = (q, qdot, plant.p) if each.n_in() == 3 else (q, plant.p)
+        second = {"N0": rng.normal(size=plant.m)}.get(name, qdot)
+        inputs = (q, second, plant.p) if each.n_in() == 3 else (q, plant.p)
         np.testing.assert_array_equal(made[name](*inputs).full(), each(*inputs).full())
 
 

@@ -8,6 +8,7 @@ import pytest
 import firmtouch
 from firmtouch.mechanics import draw_scene
 from firmtouch.modelfile.rows import rows_written
+from firmtouch.modelfile.sections.frames import OnFrames
 from firmtouch.regulation import project, split_directions
 
 EXACT = 1e-12  # positions and forces of order one, through some ten operations
@@ -24,9 +25,16 @@ def drawn():
     return draw
 
 
+def rows_of_force(spec, contact):
+    """Which rows of Phi a contact's force stands for: those of its entry that count metres; moments are no force."""
+    rows, entry = list(spec.constraints), spec.entries[contact]
+    if not isinstance(entry, OnFrames):
+        return [rows.index(contact)]
+    return [rows.index(name) for name, row in entry.rows(contact).items() if row.unit == "m"]
+
+
 def test_each_contact_force_does_the_virtual_work_of_its_constraint(op):
     scene = draw_scene(op.plant, op.q_d, op.lambda_d)
-    names = list(op.plant.spec.constraints)
 
     def place(q, contact):
         """Say where the force acts, relative to where its reaction does (if on the mechanism too)."""
@@ -34,7 +42,7 @@ def test_each_contact_force_does_the_virtual_work_of_its_constraint(op):
         return found.point - (0 if found.reaction_at is None else found.reaction_at)
 
     for each in scene.forces:
-        share = op.lambda_d[names.index(each.constraint)] * op.J[names.index(each.constraint)]
+        share = sum(op.lambda_d[j] * op.J[j] for j in rows_of_force(op.plant.spec, each.constraint))
         steps = np.eye(op.n) * 1e-5
         moved = [place(op.q_d + h, each.constraint) - place(op.q_d - h, each.constraint) for h in steps]
         missing = np.linalg.norm(np.array(moved) @ each.force / 2e-5 - share) / (np.linalg.norm(share) or 1.0)

@@ -93,21 +93,15 @@ def test_balls_know_every_function_of_a_model_file_and_its_derivatives(name):
 
 
 @pytest.mark.parametrize("which", ["M", "J", "Phi", "P_q", "P_qq", "Phi_qq"])
-def test_shipped_models_have_the_values_of_casadi(plant, which, rng):
+def test_shipped_models_have_the_values_of_casadi(plant, place, which, rng):
     function = plant.functions[which]
     for _ in range(2):
-        q = plant_point(plant, rng)
+        q = place + 0.05 * rng.normal(size=plant.n)
         values = digits(function, q.tolist(), plant.p.tolist())
         dense = np.zeros(function.numel_out(0))
         dense[np.array(function.sparsity_out(0).find(), dtype=int)] = [float(each) for each in values]
         found = function(q, plant.p).full().ravel(order="F")
         assert dense == pytest.approx(found, rel=LAST_DIGITS, abs=LAST_DIGITS * max(1, np.abs(found).max()))
-
-
-def plant_point(plant, rng):
-    """A configuration near the guess, where every expression of the file has a value."""
-    guess = plant.spec.operating_point.guess or plant.spec.operating_point.q_d
-    return np.array([guess[name] for name in plant.spec.coordinates]) + 0.05 * rng.normal(size=plant.n)
 
 
 @given(st.lists(st.floats(-10, 10), min_size=3, max_size=3))

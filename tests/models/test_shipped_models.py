@@ -8,10 +8,13 @@ from ruamel.yaml import YAML
 import firmtouch
 from firmtouch.mechanics import draw_scene
 from firmtouch.modelfile.json_schema import model_schema
+from firmtouch.modelfile.sections.frames import OnFrames
 from firmtouch.synthesis.pole_assignment import requested_poles
 
 SIZES = {  # name: (n, m)
+    "dual_arm_box": (12, 6),
     "panda_plane": (7, 1),
+    "panda_sphere_normal": (7, 3),
     "pendulum_rod": (2, 1),
     "planar_2r_circle": (2, 1),
     "planar_2r_wall": (2, 1),
@@ -91,11 +94,14 @@ def test_the_drawing_has_a_contact_whose_force_makes_all_of_its_constraints_shar
         assert each.remainder < 1e-9  # a least-squares solution of size one, whose rounding is 1e-16 times a condition
 
 
-def test_the_force_has_the_size_of_the_multiplier_since_phi_counts_metres(op, scene):
+def test_the_force_has_the_size_of_the_multipliers_since_phi_counts_metres(op, scene):
+    lambda_d = dict(zip(op.plant.spec.constraints, op.lambda_d, strict=True))
     for each in scene.forces:
-        j = list(op.plant.spec.constraints).index(each.constraint)
-        # The gradient of phi with respect to the contact point has length one.
-        assert np.linalg.norm(each.force) == pytest.approx(op.lambda_d[j], rel=1e-9)
+        entry = op.plant.spec.entries[each.constraint]
+        # The gradient of phi with respect to the contact point has length one; gaps along three axes make one force.
+        rows = entry.rows(each.constraint) if isinstance(entry, OnFrames) else {each.constraint: entry}
+        sizes = [lambda_d[name] for name, row in rows.items() if row.unit == "m"]
+        assert np.linalg.norm(each.force) == pytest.approx(np.linalg.norm(sizes), rel=1e-9)
 
 
 def test_the_force_points_out_of_the_surface(scene):
@@ -105,6 +111,10 @@ def test_the_force_points_out_of_the_surface(scene):
             # On the rim to 1e-12, so the unit normal is good to 1e-11.
             assert np.linalg.norm(outwards) == pytest.approx(1, abs=1e-9)
             assert outwards @ each.force == pytest.approx(np.linalg.norm(each.force), rel=1e-9)
+        for patch in scene.patches:
+            # Both are the surface's normal there, times a number.
+            assert each.point == pytest.approx(patch.contact, abs=1e-9)
+            assert each.force == pytest.approx(np.linalg.norm(each.force) * patch.normal, rel=1e-9, abs=1e-9)
         for wall in scene.walls:
             assert wall.points[:, 0] == pytest.approx(each.point[0], abs=1e-9)  # projected to 1e-12
             assert each.force == pytest.approx([-np.linalg.norm(each.force), 0], abs=1e-9)  # the arm is to the left

@@ -16,9 +16,9 @@ from firmtouch.simulation.world import Disturbance, nominal_world, tilted
 CAUSES = ["force", "gravity", "offset", "rotation", "tilt", "mass"]
 
 
-def gravity_parameter(op):
-    """The place of g in p."""
-    return list(op.plant.spec.parameters).index("g")
+def weight_parameter(op):
+    """The place in p of what all weights are proportional to, or of what a robot carries."""
+    return next(i for i, name in enumerate(op.plant.spec.parameters) if name in ("g", "mp"))
 
 
 def caused(loop, cause, size):
@@ -42,10 +42,10 @@ def caused(loop, cause, size):
         R = expm(Omega - Omega.T)
         turned = (R.T - np.eye(m)) @ op.lambda_d
         return replace(world, R=R), table.rotation.position @ turned, table.rotation.constraint_force @ turned
-    i = gravity_parameter(op)  # all weights grow
+    i = weight_parameter(op)  # the weights grow
     p = op.plant.p.copy()
     p[i] *= 1 + 0.1 * size
-    d = -0.1 * size * op.g
+    d = op.g - op.plant.with_parameters(p).P_q(op.q_d)
     return replace(world, p=p), table.force.position @ d, table.force.constraint_force @ d
 
 

@@ -75,11 +75,15 @@ def even_points() -> Array:
 
 @dataclass(frozen=True, slots=True)
 class ContinuousRun:
-    """A loop to be followed; `ended` tells the first of some samples after which the run is over, if there is one."""
+    """A loop to be followed; `ended` tells the first of some samples after which the run is over, if there is one.
+
+    At least `per_period` instants are kept of each period of the fastest pole or disturbance.
+    """
 
     dae: Dae
     integrator: Integrator
     ended: Callable[[Samples], int | None]
+    per_period: float = PER_PERIOD
 
     def follow(self, world: World, x: Array, duration: float) -> tuple[Samples, float | None]:
         """Integrate from x at t = 0; gives the samples, and when the integrator failed, if it did.
@@ -104,7 +108,7 @@ class ContinuousRun:
     def _borders(self, world: World, duration: float) -> list[float]:
         """Give the times between which the run is one stretch."""
         fastest = max(abs(each) for each in (*self.dae.loop.poles.reduced, *(one.omega for one in world.sinusoids)))
-        longest = POINTS * 2 * np.pi / (PER_PERIOD * fastest) if fastest else duration
+        longest = POINTS * 2 * np.pi / (self.per_period * fastest) if fastest else duration
         changes = [0.0, *(each for each in world.changes if each < duration), duration]
         borders = [changes[0]]
         for begin, end in itertools.pairwise(changes):

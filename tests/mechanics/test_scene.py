@@ -26,7 +26,7 @@ def drawn():
 
 def test_each_contact_force_does_the_virtual_work_of_its_constraint(op):
     scene = draw_scene(op.plant, op.q_d, op.lambda_d)
-    names = list(op.plant.spec.constraints)
+    rows, entries = list(op.plant.spec.constraints.items()), op.plant.spec.entries
 
     def place(q, contact):
         """Say where the force acts, relative to where its reaction does (if on the mechanism too)."""
@@ -34,7 +34,9 @@ def test_each_contact_force_does_the_virtual_work_of_its_constraint(op):
         return found.point - (0 if found.reaction_at is None else found.reaction_at)
 
     for each in scene.forces:
-        share = op.lambda_d[names.index(each.constraint)] * op.J[names.index(each.constraint)]
+        own = entries[each.constraint].rows(each.constraint)
+        forces = [op.lambda_d[j] * op.J[j] for j, (name, row) in enumerate(rows) if name in own and row.unit == "m"]
+        share = np.sum(forces, axis=0)
         steps = np.eye(op.n) * 1e-5
         moved = [place(op.q_d + h, each.constraint) - place(op.q_d - h, each.constraint) for h in steps]
         missing = np.linalg.norm(np.array(moved) @ each.force / 2e-5 - share) / (np.linalg.norm(share) or 1.0)

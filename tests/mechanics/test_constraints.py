@@ -232,11 +232,11 @@ SORTS = {
 }  # fmt: skip
 
 
-@pytest.fixture(params=SORTS)
-def held(request, rng):
+@pytest.fixture(scope="module", params=SORTS)
+def held(request):
     """Give a constraint that holds at q, and the J that its meaning asks for."""
     name, sort, options = SORTS[request.param]
-    arm = ARMS[name]
+    arm, rng = ARMS[name], np.random.default_rng(list(SORTS).index(request.param))
     q = rng.uniform(-1.2, 1.2, arm.n)
     entry, J = sort(arm, q, *options)
     return arm, q, entry, arm.rows(entry, len(J)), J

@@ -211,7 +211,8 @@ def by_hand(n):
     return q, Jacobians, P
 
 
-@pytest.mark.parametrize("n", [2, pytest.param(3, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("n", [2, 3])
 def test_sympy_derives_the_same_arm_from_its_energies(n, rng):
     q, Jacobians, P = by_hand(n)
     rates = [[J.diff(each) for each in q] for J in Jacobians]

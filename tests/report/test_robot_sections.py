@@ -184,6 +184,19 @@ def wide(n):
 
 
 class TestWideMatrices:
+    def test_of_many_large_hessians_their_share_of_the_stiffness_is_shown(self, random_point):
+        op = random_point(12, 6, seed=1)
+        (weighted,) = operating_point.curvatures(op)
+        assert weighted.rows == matrix(op.P_qq - op.N0, 3)
+        for n, m in ((12, 1), (8, 3)):
+            assert len(operating_point.curvatures(random_point(n, m, seed=1))) == m
+
+    def test_a_long_column_is_laid_on_its_side(self):
+        long, short = (operating_point.as_vector("g - J^T lambda_d", np.arange(1.0, n + 1)) for n in (12, 8))
+        assert long.rows == (tuple(str(i) for i in range(1, 13)),)
+        assert long.name == Math("(g - J^T lambda_d)^T")
+        assert short.rows == tuple((str(i),) for i in range(1, 9))
+
     @pytest.mark.parametrize("n", [7, 12, 14, 20])
     def test_they_stay_on_the_page(self, run, tmp_path, n):
         document = Document("t", "s", "f", (Section("M", (Matrices((wide(n),)),)),))

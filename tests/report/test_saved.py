@@ -85,6 +85,51 @@ def test_a_whole_design_as_it_is_written_is_read(shipped_report, tmp_path):
     assert model.sha256 == report.design.model.sha256
 
 
+ROBOT = """\
+schema: firmtouch.model/1
+title: A robot
+mechanism: {urdf: parts/arm.urdf, tool: tip}
+constraints:
+  wall: {surface: {plane: {point: [0.5 m, 0, 0], normal: [-1, 0, 0]}}}
+operating_point:
+  guess: {j1: 60 deg, j2: -70 deg}
+  normal_force: 5 N
+design: {poles: [-4, -5], force_feedback: 0.5}
+"""
+LINK = '<link name="{}"><inertial><origin xyz="0.2 0 0"/><mass value="1"/><inertia ixx="0.001" iyy="0.02" izz="0.02" ixy="0" ixz="0" iyz="0"/></inertial></link>'
+JOINT = '<joint name="{}" type="continuous"><origin xyz="{} 0 0"/><parent link="{}"/><child link="{}"/><axis xyz="0 0 1"/></joint>'
+URDF = f"""<robot name="{{}}"><link name="ground"/>{LINK.format("upper")}{LINK.format("fore")}<link name="tip"/>
+{JOINT.format("j1", 0, "ground", "upper")}{JOINT.format("j2", 0.4, "upper", "fore")}
+<joint name="end" type="fixed"><origin xyz="0.4 0 0"/><parent link="fore"/><child link="tip"/></joint></robot>"""
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig"])
+def test_a_robot_is_read_back_without_its_file_at_hand(encoding, write, tmp_path):
+    (tmp_path / "parts").mkdir()
+    text = '<?xml version="1.0" encoding="utf-8"?>' + URDF.format("\N{LATIN SMALL LETTER E WITH ACUTE}")
+    (tmp_path / "parts" / "arm.urdf").write_bytes(text.encode(encoding))
+    (tmp_path / "arm.yaml").write_text(ROBOT)
+    model = firmtouch.read_model(tmp_path / "arm.yaml")
+    op = firmtouch.find_operating_point(firmtouch.derive_plant(model.spec))
+    loop = firmtouch.assign_poles(op, model.spec.design)
+    (tmp_path / "parts" / "arm.urdf").unlink()
+    files = {name: content.decode("utf-8", "surrogateescape") for name, content in model.attached.items()}
+    data = {
+        "schema": "firmtouch.design/1",
+        "model": {"name": "arm", "source": ROBOT, "files": files},
+        "operating_point": {"q_d": op.q_d.tolist(), "lambda_d": op.lambda_d.tolist()},
+        "gains": {each: getattr(loop.gains, each).tolist() for each in ("W", "C", "G_f", "bias")},
+    }
+    assert list(data["model"]["files"]) == ["parts/arm.urdf"]
+    again, same = read_design(write(data))
+    same_loop(same, loop)
+    assert again.sha256 == model.sha256
+    assert again.spec.coordinates == model.spec.coordinates
+    del data["model"]["files"]
+    with pytest.raises(ModelFileError, match=r"`parts/arm\.urdf` was not kept"):
+        read_design(write(data))
+
+
 @pytest.mark.parametrize(
     "dress", [lambda text: b"\xef\xbb\xbf" + text, lambda text: text.replace(b"\n", b"\r\n")], ids=["BOM", "CRLF"]
 )

@@ -82,7 +82,7 @@ def rows_written(raw: object) -> tuple[Row, ...]:
 
 
 def _all_rows(raw: Mapping[str, Any]) -> tuple[Row, ...]:
-    hold = raw.get("hold", "frame")
+    hold = raw.get("hold", {"rail": "point"}.get(sort_of(raw), "frame"))
     hold = hold if hold in HELD else "point"
     match sort_of(raw):
         case "surface":

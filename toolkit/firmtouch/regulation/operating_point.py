@@ -12,7 +12,7 @@ from firmtouch.mechanics import Array, Plant
 from firmtouch.mechanics.arrays import frozen
 from firmtouch.regulation.inverse_kinematics import Reached
 from firmtouch.regulation.projection import RANK, OffSurfaceError, Projection, project, short
-from firmtouch.regulation.reaching import reach_configuration
+from firmtouch.regulation.reaching import BeyondGridError, beyond_grids, reach_configuration
 from firmtouch.regulation.redundancy import DependentConstraintsError, remedy_for, row_dependencies
 
 NEAR_SURFACE: Final = 1e-3
@@ -80,6 +80,8 @@ def find_operating_point(plant: Plant) -> OperatingPoint:
     ------
     OffSurfaceError
         If the constraints cannot be met, or a stated q_d misses them.
+    BeyondGridError
+        If a contact lies beyond the grid of its height field.
     OutsideLimitsError
         If q_d is not where the joints can be.
     DependentConstraintsError
@@ -89,6 +91,9 @@ def find_operating_point(plant: Plant) -> OperatingPoint:
     """
     spec = plant.spec.operating_point
     q_d = locate(plant)
+    beyond = beyond_grids(plant, q_d.q)
+    if beyond:
+        raise BeyondGridError(beyond)
     outside = outside_limits(plant, q_d.q)
     if outside:
         raise OutsideLimitsError(outside)

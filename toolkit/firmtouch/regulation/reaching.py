@@ -38,6 +38,36 @@ class PointOffSurfaceError(NoDesignError):
         )
 
 
+class BeyondGridError(NoDesignError):
+    """A contact lies where its height field is not given."""
+
+    def __init__(self, contacts: tuple[str, ...]) -> None:
+        self.contacts = contacts
+        named = " and ".join(f"`{each}`" for each in contacts)
+        super().__init__(f"the point that touches is beyond the grid of the height field of {named}")
+
+
+def beyond_grids(plant: Plant, q: Array) -> tuple[str, ...]:
+    """List the contacts whose point at q lies beyond the grid of its height field."""
+    contacts = {
+        name: each
+        for name, each in plant.spec.entries.items()
+        if isinstance(each, SurfaceContact) and each.surface.height_field is not None
+    }
+    if not contacts:
+        return ()
+    symbols = Symbols(plant.spec)
+    arm = arm_of(plant.spec, symbols)
+    assert arm is not None
+    found = []
+    for name, each in contacts.items():
+        assert each.point is not None
+        place = ca.Function("place", [symbols.q, symbols.p], [ca.densify(arm.pose(each.point).p)])
+        if not inside_domain(each.surface, call_vector(place, q, plant.p), symbols, plant.p):
+            found.append(name)
+    return tuple(found)
+
+
 def reach_configuration(plant: Plant) -> Reached:
     """Find the configurations in which the robot is where the file wants it, all constraints and limits kept.
 
@@ -134,7 +164,7 @@ def _on_surface(
             raise PointOffSurfaceError(name, float(s[0]))
         point = point - float(s[0]) * n
     if not inside_domain(contact.surface, point, symbols, plant.p):
-        raise NoDesignError(f"the point to reach is beyond the grid of `{name}`'s height field")
+        raise BeyondGridError((name,))
     return frozen(point), frozen(n)
 
 

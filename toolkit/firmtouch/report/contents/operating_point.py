@@ -8,6 +8,7 @@ import numpy as np
 
 from firmtouch.design import Design
 from firmtouch.mechanics import Array
+from firmtouch.regulation import OperatingPoint
 from firmtouch.report.contents.reached import configurations
 from firmtouch.report.document import Block, Equation, Line, Math, Matrices, Matrix, Paragraph, Section, Table
 from firmtouch.report.mathematics import symbol
@@ -45,7 +46,7 @@ def section(design: Design) -> Section:
                 as_matrix("J", op.J),
                 as_vector("g", op.g),
                 as_matrix("P_(q q)", op.P_qq),
-                *_curvatures(design),
+                *curvatures(op),
                 as_matrix("N_0", op.N0),
             )
         ),
@@ -77,9 +78,8 @@ def as_vector(name: str, values: Array) -> Matrix:
     return as_matrix(f"{name}^T" if plain else f"({name})^T", values[None, :])
 
 
-def _curvatures(design: Design) -> tuple[Matrix, ...]:
-    """Give the constraint Hessians, or of many large ones what they come to."""
-    op = design.loop.operating_point
+def curvatures(op: OperatingPoint) -> tuple[Matrix, ...]:
+    """Make the blocks of the constraint Hessians, or of many large ones that of their weighted sum in N_0."""
     if op.n > LONGEST_COLUMN and op.m > 1:
         weighted = np.tensordot(op.lambda_d, op.constraint_hessians, axes=1)
         return (as_matrix("sum_j lambda_(d j) phi''_j", weighted),)

@@ -47,7 +47,14 @@ def picture_in_space(scene: Scene) -> str:
     for patch in scene.patches:
         _draw_patch(axes, patch, view)
     for rail in scene.rails:
-        axes.plot(*rail.T, color=SURFACE_EDGE, linewidth=3, zorder=SURFACES, solid_capstyle="round")
+        within = np.all((rail >= low) & (rail <= high), axis=1)
+        axes.plot(
+            *np.where(within[:, None], rail, np.nan).T,
+            color=SURFACE_EDGE,
+            linewidth=3,
+            zorder=SURFACES,
+            solid_capstyle="round",
+        )
     for held in scene.held:
         _draw_held(axes, held, BULK * span / 2, view)
     for base in scene.bases:

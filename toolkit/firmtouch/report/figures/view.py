@@ -18,6 +18,8 @@ USUAL: Final = 22
 """Degrees above the floor from which things are usually looked at."""
 FACING: Final = 0.35
 """The least cosine between the way to the eye and a surface's normal with which the surface is seen well."""
+STEEPEST: Final = 0.75
+"""The greatest one: nothing is seen of a force that points at the eye."""
 NEAR: Final = 0.05
 """What comes nearer to a contact than this part of the mechanism's size hides it."""
 HIDDEN: Final = 3.0
@@ -67,19 +69,24 @@ def facing_surfaces(scene: Scene) -> Iterator[tuple[Array, Array]]:
 def _worth(scene: Scene, view: View) -> float:
     lines = [view.flat(each) for each in scene.lines]
     starts, ends = _segments(lines)
-    lengths = np.concatenate([np.linalg.norm(np.diff(each, axis=0), axis=1) for each in scene.lines])
     size = float(np.max(np.ptp(np.vstack(scene.lines), axis=0)))
-    seen = float(np.sum(np.linalg.norm(ends - starts, axis=1)) / (np.sum(lengths) or 1.0))
+    seen = sum(map(_length, lines)) / (sum(map(_length, scene.lines)) or 1.0)
     worth = seen - FROM_AFAR * abs(view.elevation - USUAL) / 45 - CROSSING * _crossings(starts, ends)
     worth += 0.5 * _moved(scene, view) / size
     for contact, normal in facing_surfaces(scene):
-        worth -= HIDDEN * max(0.0, FACING - float(normal @ view.towards))
+        facing = float(normal @ view.towards)
+        worth -= HIDDEN * (max(0.0, FACING - facing) + max(0.0, facing - STEEPEST))
         worth -= HIDDEN * _behind_its_surface(scene, view, contact, size)
         worth -= COVERED * _behind_the_arm(lines, view.flat(contact[None, :])[0], size)
     for held in scene.held:
-        along = view.flat(held.ends)
-        worth += float(np.linalg.norm(along[1] - along[0]) / np.linalg.norm(held.ends[1] - held.ends[0]))
+        worth += _length(view.flat(held.ends)) / _length(held.ends)
+    for rail in scene.rails:
+        worth += 0.3 * _length(view.flat(rail)) / (_length(rail) or 1.0)
     return worth
+
+
+def _length(line: Array) -> float:
+    return float(np.sum(np.linalg.norm(np.diff(line, axis=0), axis=1)))
 
 
 def _segments(lines: list[Array]) -> tuple[Array, Array]:

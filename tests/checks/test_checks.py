@@ -210,6 +210,12 @@ def test_the_curvature_row_says_what_dropping_lambda_would_do(make_model):
     assert "turn the verdict" in row.detail
 
 
+def test_poles_that_are_zero_but_for_rounding_are_written_as_zero():
+    assert curvature.in_words(np.array([-4.0, -1e-15, 1e-15, 9.0])) == "±2j, ±0, ±0, ±3"
+    assert curvature.in_words(np.array([0.0])) == "±0"
+    assert curvature.in_words(np.array([-1e-14])) == "±1e-07j"  # alone, it is no rounding of anything
+
+
 def test_figures_are_the_same_on_every_run(subject):
     for check in (contact.full_rank, inertia.passive, motion.energy_kept):
         assert check(subject).figure == check(subject).figure

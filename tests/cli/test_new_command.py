@@ -1,5 +1,7 @@
 """`firmtouch new`: a model file to start from, which works as it is and replaces nothing."""
 
+from pathlib import Path
+
 import pytest
 from ruamel.yaml import YAML
 
@@ -75,3 +77,40 @@ def test_a_place_that_cannot_be_written_is_told(capsys):
     assert capsys.readouterr().err == "no/such/folder.yaml: cannot be written (No such file or directory)\n"
     assert main(["new", "x" * 300]) == 2
     assert "cannot be written (File name too long)" in capsys.readouterr().err
+
+
+URDF = Path(__file__).parents[2] / "models" / "urdf"
+
+
+class TestRobots:
+    def test_the_file_that_is_written_passes_its_checks_and_can_be_designed(self, capsys, tmp_path):
+        assert main(["new", "polisher", "--urdf", str(URDF / "panda.urdf")]) == 0
+        assert capsys.readouterr().out == "wrote polisher.yaml\n"
+        assert main(["check", "polisher.yaml"]) == 0
+        spec = read_model("polisher.yaml").spec
+        assert (spec.n, spec.m, spec.mechanism.tools()) == (7, 1, ("flange",))
+        fast = ["--no-pdf", "--no-attraction", "--no-simulation"]
+        assert main(["design", "polisher.yaml", "--out", str(tmp_path / "report"), *fast]) == 0
+
+    def test_the_path_is_relative_to_the_file_and_the_tool_leaves_out_what_does_not_matter(self, tmp_path):
+        (tmp_path / "cell").mkdir()
+        assert main(["new", "cell/left", "--urdf", str(URDF / "dual_ur5e.urdf"), "--tool", "left_tool0"]) == 0
+        model = read_model("cell/left.yaml")
+        assert model.spec.n == 6
+        assert not Path(next(iter(model.attached))).is_absolute()
+
+    @pytest.mark.parametrize(
+        ("arguments", "told"),
+        [
+            (["--urdf", "none.urdf"], "none.urdf: cannot be read"),
+            (
+                ["--urdf", str(URDF / "panda.urdf"), "--tool", "flang"],
+                "the tool `flang` is no link; did you mean `flange`?",
+            ),
+            (["--tool", "flange"], "give its `--urdf` too"),
+        ],
+    )
+    def test_what_cannot_be_is_a_wrong_question(self, arguments, told, capsys, tmp_path):
+        assert main(["new", "polisher", *arguments]) == 2
+        assert told in capsys.readouterr().err
+        assert list(tmp_path.iterdir()) == []

@@ -342,3 +342,25 @@ def test_an_aligned_contact_leaves_out_a_turn(rng):
     assert whole.names == ("held", "held_about_y", "held_about_z")
     assert part.names == ("held", "held_about_z")
     assert np.array_equal(part.J(q + 0.1), whole.J(q + 0.1)[[0, 2]])
+
+
+@pytest.mark.parametrize("angle", [0.3, 1.0, 2.5, 3.1])
+def test_a_turn_is_measured_by_its_half_angle_and_vanishes_at_none_alone(angle, rng):
+    """(R - R^T) / 2 would vanish at half a turn too, where the joint would be shut the wrong way round."""
+    arm = ARMS["dual_ur5e"]
+    q = rng.uniform(-1, 1, arm.n)
+    entry, _ = join(arm, q, "frame")
+    axis = rng.normal(size=3)
+    axis /= np.linalg.norm(axis)
+    A = cross(axis)
+    more = np.eye(3) + np.sin(angle) * A + (1 - np.cos(angle)) * A @ A
+    second = entry["join"][1]
+    _, right = right_of(arm, q)
+    R = np.eye(3)
+    for each in right["orientation"]:
+        R = R @ turn(*next(iter(each.items())))
+    turned = entry | {"join": [entry["join"][0], second | {"orientation": turns(R @ more)}]}
+    Phi = arm.rows(turned, 6).Phi(q)
+    assert Phi[:3] == pytest.approx(np.zeros(3), abs=EXACT)
+    # Near half a turn 1 + trace(R) = 4 cos^2(angle / 2) has lost digits.
+    assert Phi[3:] == pytest.approx(2 * np.sin(angle / 2) * axis, abs=EXACT / np.cos(angle / 2) ** 2)

@@ -1,10 +1,13 @@
 """The picture's numbers: forces by virtual work, joints, and ghosts on the constraint."""
 
+import json
+
 import numpy as np
 import pytest
 
 import firmtouch
 from firmtouch.mechanics import draw_scene
+from firmtouch.modelfile.rows import rows_written
 from firmtouch.modelfile.sections.frames import OnFrames
 from firmtouch.regulation import project, split_directions
 
@@ -108,3 +111,68 @@ def test_ghosts_lie_on_the_constraint_and_move_the_lines(make_arm, drawn):
         assert np.linalg.norm(ghost[-1] - circle.centre) == pytest.approx(circle.radius, abs=1e-11)  # Newton's residual
         assert np.linalg.norm(np.diff(ghost, axis=0), axis=1) == pytest.approx([0.4, 0.4, 0.4], abs=EXACT)
         assert np.abs(ghost - scene.lines[0]).max() > 0.02
+
+
+CHAIN = {"planar_chain": {"n": 3, "length": "0.4 m", "mass": "1 kg"}}
+
+
+@pytest.fixture
+def chain_scene(make_model):
+    """Draw a chain of three rods at some angles; where its constraints do not hold, it is drawn all the same."""
+
+    def draw(constraint, q):
+        data = {
+            "schema": "firmtouch.model/1",
+            "title": "A chain",
+            "mechanism": CHAIN,
+            "constraints": {"held": constraint},
+            "operating_point": {"guess": dict(zip(("q1", "q2", "q3"), q, strict=True)), "lambda_d": {}},
+            "design": {"force_feedback": 0.5},
+        }
+        rows = rows_written(constraint)
+        data["operating_point"]["lambda_d"] = {each.name("held"): 10 for each in rows}
+        data["design"]["poles"] = [-4 - i for i in range(2 * (3 - len(rows)))]
+        plant = firmtouch.derive_plant(firmtouch.parse_model(json.dumps(data).encode(), name="chain").spec)
+        return draw_scene(plant, np.array(q, dtype=float), np.zeros(plant.m))
+
+    return draw
+
+
+def test_a_chain_stands_on_its_base_with_the_first_joints_axis(chain_scene):
+    scene = chain_scene({"distance": "0.5 m", "between": ["link1", "tip"]}, [0.5, -0.7, 0.9])
+    (base,) = scene.bases
+    assert base.point == pytest.approx([0, 0, 0], abs=EXACT)
+    assert base.axis == pytest.approx([0, 0, 1], abs=EXACT)
+
+
+def test_a_rod_is_drawn_between_its_frames(chain_scene):
+    scene = chain_scene({"distance": "0.5 m", "between": ["link2", "tip"]}, [0.5, -0.7, 0.9])
+    (rod,) = scene.rails
+    assert rod[1] == pytest.approx(max((each[-1] for each in scene.lines), key=lambda x: x[0]), abs=EXACT)
+    assert rod[0] == pytest.approx([0.4 * np.cos(0.5), 0.4 * np.sin(0.5), 0], abs=EXACT)
+
+
+def test_rails_are_drawn_where_they_are(chain_scene):
+    line = {"rail": {"line": {"point": [0, "0.3 m", 0], "direction": [2, 0, 0]}}, "frame": "tip", "hold": "point"}
+    (straight,) = chain_scene(line, [0.5, -0.7, 0.9]).rails
+    assert np.diff(straight, axis=0)[0, 1:] == pytest.approx([0, 0], abs=EXACT)
+    circle = {
+        "rail": {"circle": {"centre": ["0.5 m", 0, 0], "axis": [0, 0, 3], "radius": "0.2 m"}},
+        "frame": "tip",
+        "hold": "point",
+    }
+    (ring,) = chain_scene(circle, [0.5, -0.7, 0.9]).rails
+    assert np.linalg.norm(ring - [0.5, 0, 0], axis=1) == pytest.approx(0.2, abs=EXACT)
+    assert ring[:, 2] == pytest.approx(0, abs=EXACT)
+
+
+def test_joined_frames_hold_what_is_between_them_and_the_chains_end_at_the_hands(chain_scene):
+    join = {"join": [{"frame": "tip", "position": ["0.1 m", 0, 0]}, "link2"], "hold": "point", "without": ["z"]}
+    scene = chain_scene(join, [0.5, -0.7, 0.9])
+    (held,) = scene.held
+    tip = np.array([*np.sum([[np.cos(a), np.sin(a)] for a in np.cumsum([0.5, -0.7, 0.9])], axis=0) * 0.4, 0])
+    assert held.ends[0] == pytest.approx(tip, abs=EXACT)
+    assert held.ends[1] == pytest.approx([0.4 * np.cos(0.5), 0.4 * np.sin(0.5), 0], abs=EXACT)
+    assert held.across @ (held.ends[1] - held.ends[0]) == pytest.approx(0, abs=EXACT)
+    assert np.linalg.norm(held.across) == pytest.approx(1, abs=EXACT)
+    assert any(np.allclose(each[-1], tip) for each in scene.lines)

@@ -142,7 +142,7 @@ MISTAKES = {
     "base of two entries": ((TOOL, f"{TOOL}\n  base: {{position: »[0, 0]}}"), "2 entries where a list of three was expected"),
     "base in kilograms": ((TOOL, f"{TOOL}\n  base: {{position: [0, »1 kg, 0]}}"), "`1 kg` is in kg, but m was expected"),
     "turned in metres": ((TOOL, f"{TOOL}\n  base: {{orientation: [{{z: »1 m}}]}}"), "`1 m` is in m"),
-    "turned about w": ((TOOL, f"{TOOL}\n  base: {{orientation: [»{{w: 1}}]}}"), "a rotation is written `{z: 90 deg}`"),
+    "turned about w": ((TOOL, f"{TOOL}\n  base: {{orientation: [»{{w: 1}}]}}"), "a rotation is written `{z: 30 deg}`"),
     "a number as base": ((TOOL, f"{TOOL}\n  base: »5"), "a mapping `name: value` was expected, not `5`"),
     "gravity in the plane": ((TOOL, f"{TOOL}\n  gravity: »[0, -9.81]"), "three accelerations were expected"),
     "gravity in metres": ((TOOL, f"{TOOL}\n  gravity: [0, 0, »-9.81 m]"), "`-9.81 m` is in m, but m/s^2 was expected"),
@@ -158,7 +158,7 @@ MISTAKES = {
     "one moment": ((PAYLOAD, "payload: {mass: m, inertia: »1}"), "no list where a list of three was expected"),
     "moments of no body": ((PAYLOAD, "payload: {mass: m, inertia: »[1, 1, 3]}"), "no body has these moments: 3 exceeds the sum of the others"),
     # A chain.
-    **{f"a chain of {n}": ((ARM, f"  planar_chain: {{n: »{n}, length: 1 m, mass: 1 kg}}\n"), "a whole number from 1 to 40 was expected") for n in (0, 1.5, 1000, -1, "true", '"2"', "[2]")},
+    **{f"a chain of {n}": ((ARM, f"  planar_chain: {{n: »{n}, length: 1 m, mass: 1 kg}}\n"), "a whole number from 1 to 100 was expected") for n in (0, 1.5, 1000, -1, "true", '"2"', "[2]")},
     "a chain without length": ((ARM, "  planar_chain: {n: 6, length: »0 m, mass: 1 kg}\n"), "`0 m` is out of range"),
     "a chain in kilograms": ((ARM, "  planar_chain: {n: 6, length: »1 kg, mass: 1 kg}\n"), "`1 kg` is in kg, but m was expected"),
     # Names.
@@ -344,14 +344,14 @@ def test_joint_names_become_names_that_expressions_can_use(place, tmp_path):
 
 
 def test_more_joints_than_are_read_are_told_where_the_robot_is_named(place, tmp_path):
-    (tmp_path / "long.urdf").write_text(chain_of([f"j{i}" for i in range(41)]))
+    (tmp_path / "long.urdf").write_text(chain_of([f"j{i}" for i in range(101)]))
     text, (where,) = marked(
         changed(
             ("urdf/ur5e.urdf\n  tool: flange", "long.urdf\n  tool: l40"), ("mechanism:\n", "mechanism:\n  »")
         ).replace("»  ", "»")
     )
     assert told(place(text)) == [
-        f"arm.yaml:{where}: 41 joints move, and at most 40 are read: name the `tool`, or lock some"
+        f"arm.yaml:{where}: 101 joints move, and at most 100 are read: name the `tool`, or lock some"
     ]
 
 

@@ -2,12 +2,12 @@
 
 import re
 from collections import Counter
-from types import SimpleNamespace
 from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
 
+from firmtouch.mechanics import Scene
 from firmtouch.regulation.closed_loop import Positivity
 from firmtouch.report.figures import eigenvalue_chart, mechanism_picture, nyquist_picture, s_plane, stiffness_picture
 from firmtouch.report.figures.canvas import ARM, FORCE, SURFACE_EDGE
@@ -192,13 +192,5 @@ def test_a_chart_is_drawn_whatever_the_eigenvalues(values):
 
 
 def test_a_scene_without_surface_or_force_is_drawn():
-    scene = SimpleNamespace(
-        dimension=2,
-        lines=(np.array([[0.0, 0.0], [1.0, 0.5]]),),
-        ghosts=(),
-        masses=np.empty((0, 2)),
-        walls=(),
-        rounds=(),
-        forces=(),
-    )
+    scene = Scene(2, (np.array([[0.0, 0.0], [1.0, 0.5]]),))
     assert "x, m" in words(mechanism_picture(scene))

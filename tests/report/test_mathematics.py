@@ -85,6 +85,10 @@ def test_a_small_or_large_float_is_written_as_a_power_of_ten_with_its_whole_expo
         ("mass_2", 'upright("mass")_(2)'),
         ("sum", 'upright("sum")'),  # Typst's word for a sign, and a user's for a length
         ("q1a", 'upright("q1a")'),
+        ("left_shoulder_lift", 'upright("left shoulder lift")'),  # of several words, as robots' joints
+        ("left_wrist_1", 'upright("left wrist")_(1)'),
+        ("panda_joint7", 'upright("panda joint")_(7)'),
+        ("theta_max", 'theta_("max")'),
     ],
 )
 def test_a_name_becomes_a_symbol_with_its_index(name, written):
@@ -96,6 +100,7 @@ def test_the_dot_of_a_velocity_stands_over_the_letter_and_not_over_its_index():
     assert rate("x") == "dot(x)"
     assert rate("x_wall") == 'dot(x)_("wall")'
     assert rate("radius") == 'dot(upright("radius"))'
+    assert rate("left_wrist_1") == 'dot(upright("left wrist"))_(1)'
 
 
 def test_all_that_is_written_can_be_typeset_in_a_line_and_displayed():

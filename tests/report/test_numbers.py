@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from firmtouch.report.numbers import complex_number, matrix, number, unit, vector
+from firmtouch.report.numbers import complex_number, entries, matrix, number, unit, vector
 
 
 @pytest.mark.parametrize(
@@ -106,3 +106,9 @@ def test_entries_of_rounding_size_are_shown_as_zero_relative_to_their_matrix():
 )
 def test_a_unit_is_written_with_spaces_and_superscripts(text, written):
     assert unit(text) == written
+
+
+def test_rounding_beside_the_largest_of_some_numbers_is_zero():
+    assert entries([1.5, -1.2e-17, 1e-3]) == ("1.5", "0", "0.001")
+    assert entries([1e-17]) == ("1×10⁻¹⁷",)  # alone, it is a number
+    assert entries([]) == ()

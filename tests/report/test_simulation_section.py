@@ -39,7 +39,7 @@ def tried_out(name, cache={}):  # noqa: B006  # one design for all tests
 
 
 def text(line):
-    return "".join(f"[{each.typst}]" if isinstance(each, Math) else each for each in line)
+    return "".join(f"[{each.typst}]" if isinstance(each, Math) else getattr(each, "text", each) for each in line)
 
 
 def numbers(words):
@@ -257,7 +257,8 @@ class TestThePictures:
         _, boxes = drawn(tried.trial.runs[0], op)
         words = [word for word, _ in boxes]
         assert words.count("time, s") == 3
-        assert {*op.plant.spec.coordinates, *op.plant.spec.constraints, "linear prediction"} <= set(words)
+        names = [each.replace("_", " ") for each in (*op.plant.spec.coordinates, *op.plant.spec.constraints)]
+        assert {*names, "linear prediction"} <= set(words)
         limited = tried.trial.runs[0].trajectory.scenario.feedback.limits is not None
         assert ("joint force, % of its limit" in words) == limited
 

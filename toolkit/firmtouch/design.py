@@ -79,7 +79,8 @@ class ChecksFailedError(NoDesignError):
     def __init__(self, report: CheckReport) -> None:
         self.report = report
         reasons = "; ".join(
-            f"{each.name} ({each.figure:.3g}, must be {each.relation} {each.bound:g})" for each in report.failed
+            f"{each.name} ({each.figure:.3g}, must be {each.relation} {each.bound:g}): {each.detail}"
+            for each in report.failed
         )
         super().__init__(f"the model fails its checks: {reasons}; `firmtouch check` tells more")
 

@@ -49,9 +49,8 @@ def squared_poles(M22: Array, N22: Array) -> Array:
 
 
 def in_words(squared: Array) -> str:
-    """Write poles +-sqrt(s^2) as real or imaginary numbers; what rounding made of zero is a double pole there."""
+    """Write poles +-sqrt(s^2) as real or imaginary numbers; what is zero but for rounding is written so."""
     nothing = ROUNDING * float(np.max(np.abs(squared), initial=0.0))
     return ", ".join(
-        "0 (double)" if abs(each) <= nothing else f"±{np.sqrt(abs(each)):.4g}{'j' if each < 0 else ''}"
-        for each in squared
+        "±0" if abs(each) <= nothing else f"±{np.sqrt(abs(each)):.4g}{'j' if each < 0 else ''}" for each in squared
     )

@@ -11,6 +11,7 @@ DESCRIPTION = (
 )
 EXAMPLES = """examples:
   firmtouch new polisher                    write polisher.yaml, a commented model file
+  firmtouch new polisher --urdf arm.urdf    the same for a robot
   firmtouch check polisher.yaml             is the model what it says it is?
   firmtouch design polisher.yaml            gains, their proof and a report in reports/polisher/
   firmtouch simulate reports/polisher       does it do that on the nonlinear mechanism?
@@ -162,6 +163,8 @@ _NEW = "Write NAME.yaml, a commented model file that works as it is."
 def _add_new(commands: Commands) -> None:
     new = commands.add_parser("new", help="write a commented model file to start from", description=_NEW)
     new.add_argument("name", metavar="NAME", help="the model's name; NAME.yaml is written, and never overwritten")
+    new.add_argument("--urdf", metavar="FILE", help="start from this robot instead of a planar arm")
+    new.add_argument("--tool", metavar="LINK", help="the link of the robot that touches (default: the last one)")
     new.set_defaults(run=_command("new"))
 
 

@@ -19,7 +19,7 @@ from firmtouch.modelfile.expression.tree import Name, Node, Vector, children
 from firmtouch.modelfile.rows import rows_written, sort_of
 from firmtouch.modelfile.units import JOULE, SECOND, UnitError, parse_unit, split_quantity
 
-MOST_COORDINATES = 40
+MOST_COORDINATES = 100
 LARGEST_EXPANSION = 20_000
 DEEPEST_EXPANSION = 60
 

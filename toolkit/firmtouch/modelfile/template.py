@@ -1,8 +1,10 @@
-"""The model file that `firmtouch new` writes."""
+"""The model files that `firmtouch new` writes."""
 
 from __future__ import annotations
 
 import json
+import math
+from collections.abc import Mapping, Sequence
 
 TEMPLATE = """\
 # A model file of firmtouch. It works as it is:  firmtouch check {name}.yaml && firmtouch design {name}.yaml
@@ -89,8 +91,89 @@ drawing:
 """
 
 
+ROBOT = """\
+# A model file of firmtouch for a robot. It works as it is:  firmtouch check {name}.yaml && firmtouch design {name}.yaml
+# Quantities are written with a unit (0.6 m, 70 deg, 40 N); a bare number is in SI.
+schema: firmtouch.model/1
+title: {title}
+
+# The joints of the file are the coordinates, and its limits of position, speed and effort are the design's.
+mechanism:
+  urdf: {urdf}
+  tool: {tool}
+  # locked: {{finger_joint: 0.02 m}}      # joints that do not move
+  # base: {{position: [0, 0, 0.8 m], orientation: [{{z: 90 deg}}]}}
+  # payload: {{mass: 1 kg, centre_of_mass: [0, 0, 0.05 m]}}
+
+# What is touched. Other surfaces: sphere, cylinder, cone, torus, ellipsoid, superellipsoid, implicit, height_field.
+# `align: z` keeps the tool's z axis along the normal: two more rows. Other constraints: rail, distance, join.
+constraints:
+  table:
+    surface: {{plane: {{point: {point}, normal: {normal}}}}}
+    # point: {{frame: {tool}, position: [0, 0, 0.1 m]}}    # what touches, if not the tool's origin
+
+# Where to rest, and how hard to press. Instead of a guess, a point on the surface and a direction:
+#   reach: {{point: {point}, direction: {direction}}}
+operating_point:
+  guess: {guess}
+  normal_force: 20 N
+
+# 2(n - m) poles, in 1/s. Light wrists follow slow poles with little stiffness; `method: region` weighs the joints.
+design:
+  method: poles
+  poles: {poles}
+  force_feedback: 0.8
+
+# How large the causes of steady-state errors may be.
+bounds:
+  disturbance: {disturbance}
+  offset: 1 mm
+  tilt: 1 deg
+"""
+
+
+def robot_template(
+    name: str,
+    *,
+    urdf: str,
+    tool: str,
+    guess: Mapping[str, float],
+    units: Mapping[str, str],
+    point: Sequence[float],
+    axis: Sequence[float],
+) -> str:
+    """Give the text of a commented model file for a robot: its tool at `point`, on a plane square to its axis there.
+
+    `guess` are positions by the coordinates' names, in rad or m as `units` say.
+    """
+    positions = {
+        each: f"{value:.4g} m" if units[each] == "m" else f"{math.degrees(value):.1f} deg"
+        for each, value in guess.items()
+    }
+    lengths = "[" + ", ".join(f"{each:.4f} m" for each in point) + "]"
+    direction = [round(each, 4) + 0.0 for each in axis]
+    efforts = {each: "0.1 N" if units[each] == "m" else "0.1 N*m" for each in guess}
+    same = set(efforts.values())
+    return ROBOT.format(
+        name=name,
+        title=_title(name),
+        urdf=json.dumps(urdf, ensure_ascii=False),
+        tool=json.dumps(tool, ensure_ascii=False),
+        point=lengths,
+        normal=[-each + 0.0 for each in direction],
+        direction=direction,
+        guess="{" + ", ".join(f"{each}: {text}" for each, text in positions.items()) + "}",
+        poles=[-8 - 0.5 * i for i in range(2 * (len(guess) - 1))],
+        disturbance=same.pop() if len(same) == 1 else "{" + ", ".join(f"{k}: {v}" for k, v in efforts.items()) + "}",
+    )
+
+
 def model_template(name: str) -> str:
     """Give the text of a commented model file."""
+    return TEMPLATE.format(name=name, title=_title(name))
+
+
+def _title(name: str) -> str:
     title = " ".join(name.replace("_", " ").replace("-", " ").split()).capitalize() or "Model"
     # A JSON string is a YAML string, whatever the name holds.
-    return TEMPLATE.format(name=name, title=json.dumps(title, ensure_ascii=False))
+    return json.dumps(title, ensure_ascii=False)

@@ -21,6 +21,8 @@ from firmtouch.regulation.inverse_kinematics import Reach, Reached, pointed, sol
 
 NEAR_SURFACE = 1e-3
 """How far (m) a stated point may miss the surface and still be taken as a rounded one."""
+NEAR_NORMAL = 1e-3
+"""How far (rad) a stated direction may be off the normal and still be taken as a rounded one."""
 SQUARE = 1e-6
 """The least sine of the angle between two directions that shall span a plane."""
 
@@ -66,7 +68,7 @@ def _question(plant: Plant, spec: ReachSpec, arm: Arm) -> Reach:
     direction = None if spec.direction is None else _unit(_number(symbols.column(spec.direction), plant, symbols))
     if contact is not None:
         point, n = _on_surface(plant, *contact, point, symbols)
-        direction = -n if direction is None else direction
+        direction = -n if direction is None else _kept_along(n, *contact, spec.axis, direction)
     rows = [pose.p - ca.DM(point)]
     angles = 0
     if direction is not None:
@@ -89,6 +91,20 @@ def _question(plant: Plant, spec: ReachSpec, arm: Arm) -> Reach:
         lengths=(0, 1, 2),
         angles=tuple(range(3, 3 + angles)),
     )
+
+
+def _kept_along(n: Array, name: str, contact: SurfaceContact, axis: str, direction: Array) -> Array:
+    """Move a direction that is along the normal but for rounding there, if the contact keeps that axis along it."""
+    if contact.align != axis:
+        return direction
+    along, sine = float(direction @ n), float(np.linalg.norm(np.cross(direction, n)))
+    if sine > NEAR_NORMAL:
+        angle = np.rad2deg(np.arctan2(sine, abs(along)))
+        raise NoDesignError(
+            f"`direction` is {angle:.3g} deg off the normal of `{name}`, along which `align: {axis}` keeps that axis; "
+            "leave one of them out"
+        )
+    return frozen(np.copysign(1.0, along) * n)
 
 
 def _contact(plant: Plant, spec: ReachSpec) -> tuple[str, SurfaceContact] | None:

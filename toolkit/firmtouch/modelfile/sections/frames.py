@@ -8,14 +8,14 @@ from typing import Annotated, Final, Literal
 from pydantic import Field, StrictBool, ValidationInfo, model_validator
 
 from firmtouch.modelfile.expression import Problem
-from firmtouch.modelfile.fields import POSITIVE, Checked, Expression, Text, constant_in, declared, refuse, values_of
+from firmtouch.modelfile.fields import Checked, Text, declared, refuse, values_of
 from firmtouch.modelfile.rows import ROD, Row, contact_rows, join_rows, others, rail_rows
-from firmtouch.modelfile.sections.pose import FrameSpec, Vector3
+from firmtouch.modelfile.sections.pose import FrameSpec
 from firmtouch.modelfile.sections.section import Section
-from firmtouch.modelfile.sections.surface import Direction, SurfaceSpec
+from firmtouch.modelfile.sections.space import Axis, Direction, Length, Place
+from firmtouch.modelfile.sections.surface import SurfaceSpec
 from firmtouch.modelfile.words import listed, shown
 
-Axis = Literal["x", "y", "z"]
 PARALLEL: Final = 1e-9
 """The sine of the angle between two directions, below which they span no plane."""
 
@@ -122,7 +122,7 @@ class SurfaceContact(OnFrames):
 class LineSpec(Section):
     """A straight rail."""
 
-    point: Vector3 = Field(description="a point of it, in the world")
+    point: Place = Field(description="a point of it, in the world")
     direction: Direction = Field(description="where it leads, of any length")
     up: Direction | None = Field(None, description="square to it: with `hold: frame`, along the frame's y axis")
 
@@ -137,9 +137,9 @@ class LineSpec(Section):
 class CircleSpec(Section):
     """A round rail."""
 
-    centre: Vector3
+    centre: Place
     axis: Direction = Field(description="square to its plane; with `hold: frame`, along the frame's y axis")
-    radius: Annotated[Expression, constant_in("m", within=POSITIVE)]
+    radius: Length
 
 
 class CurveSpec(Section):
@@ -196,7 +196,7 @@ class RailContact(OnFrames):
 class Rod(OnFrames):
     """Two points at a fixed distance."""
 
-    distance: Annotated[Expression, constant_in("m", within=POSITIVE)] = Field(description="the rod's length")
+    distance: Length = Field(description="the rod's length")
     between: tuple[FrameSpec, FrameSpec] = Field(description="the frames whose origins it joins")
 
     @model_validator(mode="after")

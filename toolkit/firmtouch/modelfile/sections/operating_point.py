@@ -20,7 +20,7 @@ from firmtouch.modelfile.fields import (
 )
 from firmtouch.modelfile.sections.pose import FrameSpec
 from firmtouch.modelfile.sections.section import Section
-from firmtouch.modelfile.sections.surface import Direction, Place
+from firmtouch.modelfile.sections.space import Direction, Place
 from firmtouch.modelfile.words import shown
 
 PER_NAME: Final = {"type": "object", "additionalProperties": QUANTITY_SCHEMA}

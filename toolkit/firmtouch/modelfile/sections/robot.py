@@ -195,13 +195,7 @@ class UrdfMechanism(Robot):
 
     def coordinates(self) -> dict[str, Coordinate]:
         """Give the independent joints that move."""
-        joints = self.moving().coordinates()
-        as_they_are = {each.name for each in joints if each.name == _usable(each.name, ())}
-        found: dict[str, Coordinate] = {}
-        for each in joints:
-            name = each.name if each.name in as_they_are else _usable(each.name, as_they_are | found.keys())
-            found[name] = _coordinate(each)
-        return found
+        return coordinates_of(self.moving())
 
     def frames(self) -> tuple[str, ...]:
         """Give the links that stand still or that the moving joints carry."""
@@ -210,6 +204,17 @@ class UrdfMechanism(Robot):
     def tools(self) -> tuple[str, ...]:
         """Give the tools, as named."""
         return tuple(dict.fromkeys(self.tool))
+
+
+def coordinates_of(moving: Moving) -> dict[str, Coordinate]:
+    """Give the independent joints as coordinates, under their own names where expressions can use these."""
+    joints = moving.coordinates()
+    as_they_are = {each.name for each in joints if each.name == _usable(each.name, ())}
+    found: dict[str, Coordinate] = {}
+    for each in joints:
+        name = each.name if each.name in as_they_are else _usable(each.name, as_they_are | found.keys())
+        found[name] = _coordinate(each)
+    return found
 
 
 def _asked(question: Callable[[], T]) -> T:

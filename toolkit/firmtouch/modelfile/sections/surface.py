@@ -15,50 +15,24 @@ from firmtouch.modelfile.declarations import Declarations
 from firmtouch.modelfile.expression import Kind, Problem
 from firmtouch.modelfile.fields import (
     EXPRESSION_SCHEMA,
-    POSITIVE,
     QUANTITY_SCHEMA,
     Checked,
     Expression,
     Range,
     constant_in,
     declared,
-    read_all,
     read_constant,
     read_expression,
     refuse,
-    under,
     value_of,
     values_of,
 )
 from firmtouch.modelfile.sections.heights import Heights, Span
-from firmtouch.modelfile.sections.mechanism import Rotations
 from firmtouch.modelfile.sections.section import Section
+from firmtouch.modelfile.sections.space import AXES, Direction, Length, Lengths, Place, Turns
 
 HIGHEST_EXPONENT: Final = 32
 """Of a superellipsoid: its edges are then rounded with about 1/30 of its size."""
-AXES: Final = ("x", "y", "z")
-
-
-def _direction(raw: object, info: ValidationInfo) -> Expression:
-    found = read_constant(raw, declared(info), "1", size=3)
-    if values_of(found) == (0, 0, 0):
-        refuse(Problem("a direction of length zero"))
-    return found
-
-
-def _rotations(raw: object, info: ValidationInfo) -> Rotations:
-    if not isinstance(raw, list):
-        refuse(Problem("a list of rotations was expected, such as `[{z: 30 deg}, {y: 10 deg}]`"))
-    known = declared(info)
-    return tuple(read_all(enumerate(raw), lambda _, each: _rotation(each, known)).values())
-
-
-def _rotation(raw: object, known: Declarations) -> tuple[Literal["x", "y", "z"], Expression]:
-    axis = next(iter(raw)) if isinstance(raw, dict) and len(raw) == 1 else None
-    if not isinstance(raw, dict) or axis not in AXES:
-        refuse(Problem("a rotation is written `{z: 30 deg}`: one axis out of x, y, z, and an angle"))
-    with under(axis):
-        return axis, read_constant(raw[axis], known, "1")
 
 
 def _exponents(raw: object, info: ValidationInfo) -> tuple[float, float]:
@@ -88,15 +62,7 @@ def _level(raw: object, info: ValidationInfo) -> Expression:
     return found
 
 
-_TURN: Final = {"type": "object", "properties": dict.fromkeys("xyz", EXPRESSION_SCHEMA), "minProperties": 1,
-                "maxProperties": 1, "additionalProperties": False}  # fmt: skip
-_THREE: Final = {"type": "array", "items": EXPRESSION_SCHEMA, "minItems": 3, "maxItems": 3}
 _TWO_NUMBERS: Final = {"type": "array", "items": QUANTITY_SCHEMA, "minItems": 2, "maxItems": 2}
-Place = Annotated[Expression, constant_in("m", size=3)]
-Length = Annotated[Expression, constant_in("m", within=POSITIVE)]
-Lengths = Annotated[Expression, constant_in("m", size=3, within=POSITIVE)]
-Direction = Annotated[Expression, Checked(_direction, {"anyOf": [{"type": "string"}, _THREE]})]
-Turns = Annotated[Rotations, Checked(_rotations, {"type": "array", "items": _TURN})]
 Side = Literal["outside", "inside"]
 _SIDE: Final = "on which side the mechanism is; `inside` is in a hollow"
 _ORIENTATION: Final = "rotations of its frame about the moving axes, such as `[{z: 30 deg}, {y: 10 deg}]`"

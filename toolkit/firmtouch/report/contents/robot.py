@@ -25,7 +25,7 @@ def robot(design: Design) -> Iterator[Block]:
     """Write where the robot comes from, its joints and its constraints."""
     spec = design.model.spec
     if isinstance(spec.mechanism, UrdfMechanism):
-        yield from _from_file(spec.mechanism)
+        yield from from_file(spec.mechanism)
     elif isinstance(spec.mechanism, ChainMechanism):
         chain = spec.mechanism.planar_chain
         yield Paragraph(
@@ -55,7 +55,8 @@ def recursion(design: Design) -> Paragraph:
     )
 
 
-def _from_file(mechanism: UrdfMechanism) -> Iterator[Block]:
+def from_file(mechanism: UrdfMechanism) -> Iterator[Block]:
+    """Write which robot of which file it is, what of it moves, and what it carries."""
     robot_ = mechanism.urdf
     tools = [Code(each) for each in mechanism.tool]
     line: Line = ("The robot ", Code(robot_.name), " is read from ", Code(PurePath(robot_.file).name), ". ")
@@ -163,7 +164,7 @@ def _constraints(design: Design) -> Table:
         for row, each in entry.rows(name).items():
             rows.append(((Math(f'phi_("{row.replace("_", " ")}")'),), (unit(each.unit),), (each.label or "",), about))
             about = ("",)
-    return Table((("constraint",), ("unit",), ("row",), ("what is held",)), tuple(rows), wide=frozenset({2, 3}))
+    return Table((("constraint",), ("unit",), ("row",), ("what is held",)), tuple(rows), wide=frozenset({3}))
 
 
 def _about(entry: Any) -> Line:  # noqa: ANN401  # any entry of `constraints`

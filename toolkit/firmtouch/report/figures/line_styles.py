@@ -82,15 +82,12 @@ def legend_rows(keys: Sequence[Key], width: float) -> int:
 
 
 def draw_legend(figure: Any, keys: Sequence[Key], width: float) -> None:  # noqa: ANN401  # matplotlib
-    """Name the lines once for all panels, row by row, with the linear prediction at the end."""
+    """Name the lines once for all panels, row by row, the first row first."""
     from matplotlib.lines import Line2D
 
     rows = legend_rows(keys, width)
     columns = math.ceil(len(keys) / rows)  # rows of one length
-    handles = [
-        Line2D([], [], color=each.style.colour, linestyle=each.style.dash, linewidth=_width(each.style))
-        for each in keys
-    ]
+    handles = [_line(each.style) for each in keys]
     labels = [each.label for each in keys]
     empty = rows * columns - len(keys)
     handles += [Line2D([], [], linestyle="none")] * empty
@@ -109,8 +106,12 @@ def draw_legend(figure: Any, keys: Sequence[Key], width: float) -> None:  # noqa
     )
 
 
-def _width(style: Style) -> float:
-    return 2.6 if style.colour == MUTED else 1.4
+def _line(style: Style) -> Any:  # noqa: ANN401  # matplotlib
+    from matplotlib.lines import Line2D
+
+    if style.colour == MUTED:  # broad and pale, as it lies behind the others
+        return Line2D([], [], color=MUTED, alpha=0.45, linewidth=2.6)
+    return Line2D([], [], color=style.colour, linestyle=style.dash, linewidth=1.4)
 
 
 def _columns(keys: Sequence[Key], width: float) -> int:

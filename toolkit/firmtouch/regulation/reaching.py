@@ -9,7 +9,6 @@ from firmtouch.errors import NoDesignError
 from firmtouch.mechanics import Array, Plant
 from firmtouch.mechanics.arm import Arm, arm_of
 from firmtouch.mechanics.arrays import call_vector, frozen
-from firmtouch.mechanics.constraints import search_factors
 from firmtouch.mechanics.surfaces import inside_domain, normal, signed_distance
 from firmtouch.mechanics.symbols import Symbols
 from firmtouch.mechanics.tree import frame_jacobian
@@ -107,8 +106,7 @@ def _question(plant: Plant, spec: ReachSpec, arm: Arm) -> Reach:
         if spec.across is not None:
             across = _across(_number(symbols.column(spec.across), plant, symbols), direction)
             rows.append(pointed(pose.R[:, "xyz".index(others(spec.axis)[0])], across))
-    factors = ca.vertcat(*search_factors(plant.spec, arm))
-    rows.append(factors * plant.functions["Phi"](symbols.q, symbols.p))
+    rows.append(plant.functions["Phi"](symbols.q, symbols.p))
     J = frame_jacobian(arm.tree, frame.frame, symbols.q)
     task = J if direction is not None else J[:3, :]
     return Reach(

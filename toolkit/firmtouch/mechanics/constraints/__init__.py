@@ -5,15 +5,12 @@ In all of them a row's sign is that of growing phi: lambda > 0 pushes the mechan
 
 from __future__ import annotations
 
-import casadi as ca
-
 from firmtouch.mechanics.arm import Arm
 from firmtouch.mechanics.constraints.contact import contact_rows
-from firmtouch.mechanics.constraints.join import join_rows, join_turn
-from firmtouch.mechanics.constraints.rail import rail_rows, rail_turn
+from firmtouch.mechanics.constraints.join import join_rows
+from firmtouch.mechanics.constraints.rail import rail_rows
 from firmtouch.mechanics.constraints.rod import rod_rows
 from firmtouch.mechanics.constraints.row import Row, row_of
-from firmtouch.mechanics.constraints.turns import half_turn_factor
 from firmtouch.mechanics.symbols import Symbols
 from firmtouch.modelfile import ModelSpec
 from firmtouch.modelfile.sections.constraint import Constraint, Entry
@@ -23,29 +20,6 @@ from firmtouch.modelfile.sections.frames import Join, OnFrames, RailContact, Rod
 def constraints_of(spec: ModelSpec, symbols: Symbols, arm: Arm | None) -> list[Row]:
     """Give the rows of Phi in the order of `spec.constraints`."""
     return [row for entry in spec.entries.values() for row in _rows(entry, symbols, arm)]
-
-
-def search_factors(spec: ModelSpec, arm: Arm) -> list[ca.SX]:
-    """Give for each row of Phi what to multiply it with in a search for Phi = 0 from far away.
-
-    The turns of frames that are held are zero at half a turn too; times these factors they are not.
-    """
-    found: list[ca.SX] = []
-    for name, entry in spec.entries.items():
-        units = [each.unit for each in entry.rows(name).values()] if isinstance(entry, OnFrames) else [""]
-        factor = _search_factor(entry, arm) if "rad" in units else ca.SX(1)
-        found += [factor if unit == "rad" else ca.SX(1) for unit in units]
-    return found
-
-
-def _search_factor(entry: Entry, arm: Arm) -> ca.SX:
-    match entry:
-        case Join():
-            return half_turn_factor(join_turn(entry, arm), entry.hold)
-        case RailContact():
-            return half_turn_factor(rail_turn(entry, arm), entry.hold)
-        case _:  # which way a tool's axis shall point along a normal, only its `direction` says
-            return ca.SX(1)
 
 
 def _rows(entry: Entry, symbols: Symbols, arm: Arm | None) -> list[Row]:

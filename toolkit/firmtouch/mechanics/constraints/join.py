@@ -16,10 +16,4 @@ def join_rows(entry: Join, arm: Arm) -> list[ca.SX]:
     """
     first, second = (arm.pose(each) for each in entry.join)
     gap = first.R.T @ (second.p - first.p)
-    return [*ca.vertsplit(gap), *turns(join_turn(entry, arm), entry.hold)]
-
-
-def join_turn(entry: Join, arm: Arm) -> ca.SX:
-    """Give the rotation of the second frame in the first one's axes, 3 x 3."""
-    first, second = (arm.pose(each) for each in entry.join)
-    return first.R.T @ second.R
+    return [*ca.vertsplit(gap), *turns(first.R.T @ second.R, entry.hold)]

@@ -25,20 +25,13 @@ class Foot:
 
 def rail_rows(entry: RailContact, arm: Arm) -> list[ca.SX]:
     """Give two distances from the curve (m), and the turns of what is held against the curve's frame (rad)."""
-    return [*_foot(entry, arm).beside, *turns(rail_turn(entry, arm), entry.hold)]
-
-
-def rail_turn(entry: RailContact, arm: Arm) -> ca.SX:
-    """Give the rotation of what is held in the axes of the curve's frame, 3 x 3."""
-    return _foot(entry, arm).R.T @ arm.pose(entry.frame).R
-
-
-def _foot(entry: RailContact, arm: Arm) -> Foot:
-    x = arm.pose(entry.frame).p
+    pose = arm.pose(entry.frame)
     if entry.rail.line is not None:
-        return _on_line(entry.rail.line, x, arm.symbols)
-    assert entry.rail.circle is not None
-    return _on_circle(entry.rail.circle, x, arm.symbols)
+        foot = _on_line(entry.rail.line, pose.p, arm.symbols)
+    else:
+        assert entry.rail.circle is not None
+        foot = _on_circle(entry.rail.circle, pose.p, arm.symbols)
+    return [*foot.beside, *turns(foot.R.T @ pose.R, entry.hold)]
 
 
 def _on_line(line: LineSpec, x: ca.SX, symbols: Symbols) -> Foot:

@@ -6,12 +6,7 @@ sin(angle) would be.
 
 from __future__ import annotations
 
-from typing import Final
-
 import casadi as ca
-
-NEARLY_HALF_A_TURN: Final = 1e-12
-"""Least cosine, squared, of half the angle: at half a turn no axis of rotation is nearer than others."""
 
 
 def axis_turns(R: ca.SX) -> list[ca.SX]:
@@ -35,12 +30,3 @@ def turns(R: ca.SX, hold: str) -> list[ca.SX]:
             return all_turns(R)
         case _:
             return []
-
-
-def half_turn_factor(R: ca.SX, hold: str) -> ca.SX:
-    """Give 1 / cos(angle / 2): the rows times this are 2 sin(angle / 2) in size, which half a turn does not make zero.
-
-    For searches that start far away; at the solution it is one, and its gradient zero.
-    """
-    cosine_squared = (1 + R[2, 2]) / 2 if hold == "axis" else (1 + ca.trace(R)) / 4
-    return 1 / ca.sqrt(ca.fmax(cosine_squared, NEARLY_HALF_A_TURN))

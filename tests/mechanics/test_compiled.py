@@ -4,16 +4,19 @@ import logging
 import os
 import pickle
 import subprocess
+from pathlib import Path
 
 import casadi as ca
 import numpy as np
 import pytest
 
+import firmtouch
 import firmtouch.mechanics.compiled as module
 from firmtouch.mechanics import library_cache
 from firmtouch.mechanics.compiled import MOST_INSTRUCTIONS, When, compiled, find_compiler
 from firmtouch.mechanics.library_cache import open_cache
 
+MODELS = Path(__file__).parents[2] / "models"
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="there is no C compiler")
 
 
@@ -78,6 +81,16 @@ def test_the_mechanics_of_a_model_to_the_last_bit(cache, plant, rng):
         second = {"N0": rng.normal(size=plant.m)}.get(name, qdot)
         inputs = (q, second, plant.p) if each.n_in() == 3 else (q, plant.p)
         np.testing.assert_array_equal(made[name](*inputs).full(), each(*inputs).full())
+
+
+def test_a_compiled_plant_is_the_same_plant(cache, compilations, rng):
+    plant = firmtouch.derive_plant(firmtouch.read_model(MODELS / "planar_2r_wall.yaml").spec)
+    fast = plant.compiled()
+    q, qdot = rng.uniform(-1, 1, (2, plant.n))
+    assert np.array_equal(fast.M(q), plant.M(q))
+    assert np.array_equal(fast.theta(q, qdot), plant.theta(q, qdot))
+    assert np.array_equal(fast.N0(q, [30.0]), plant.N0(q, [30.0]))
+    assert fast.functions is plant.functions
 
 
 def test_compiled_once(cache, compilations, rng):

@@ -23,6 +23,8 @@ def on_surface(subject: Subject) -> CheckResult:
         return at_most("Phi(q_d) = 0", subject.projection.residual, ON_SURFACE, str(subject.missed))
     moved = subject.projection.moved
     detail = f"the projection moved the given configuration by {moved:.3g}" if moved else "as given"
+    if subject.projection.reached is not None:
+        detail = subject.projection.reached.in_words()
     scale = max(1.0, float(np.max(np.abs(subject.q_d))))
     return at_most("Phi(q_d) = 0", subject.projection.residual, ON_SURFACE * scale, detail)
 

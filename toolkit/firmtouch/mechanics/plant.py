@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import casadi as ca
 import numpy as np
 
 from firmtouch.mechanics.arm import arm_of
 from firmtouch.mechanics.arrays import Array, Vector, frozen, symmetric
+from firmtouch.mechanics.compiled import compiled
 from firmtouch.mechanics.constraints import constraints_of
 from firmtouch.mechanics.equations import equations_of
 from firmtouch.mechanics.evaluation import evaluator_of
@@ -23,12 +24,13 @@ class Plant:
     lambda_j > 0 pushes the mechanism towards growing phi_j. All in SI; `p` are the parameters' values.
     The methods evaluate at numbers; `functions` holds the CasADi functions themselves, each of (q, p) or of
     (q, q', p): `K`, `P`, `Phi`, `J`, `M`, `theta`, `Jdot_qdot`, `P_q`, `P_qq` (n x n), `Phi_qq` (n x nm: the
-    constraint Hessians side by side); `N0` of (q, lambda, p).
+    constraint Hessians side by side); `N0` of (q, lambda, p). `fast` holds some of them as machine code, for numbers.
     """
 
     spec: ModelSpec
     p: Array
     functions: dict[str, ca.Function]
+    fast: dict[str, ca.Function] = field(default_factory=dict, repr=False)
 
     @property
     def n(self) -> int:
@@ -43,6 +45,10 @@ class Plant:
     def with_parameters(self, p: Vector) -> Plant:
         """Give the same mechanism with other parameter values."""
         return replace(self, p=frozen(p))
+
+    def compiled(self) -> Plant:
+        """Give the same plant with its functions compiled to machine code, where there is a compiler."""
+        return replace(self, fast=compiled(self.functions))
 
     def M(self, q: Vector) -> Array:
         """Inertia matrix, n x n."""
@@ -91,7 +97,7 @@ class Plant:
 
     def _evaluate(self, name: str, *state: Vector) -> Array:
         """Evaluate a function; the next evaluation of it writes over what is given."""
-        return evaluator_of(self.functions[name])(*state, self.p)[0]
+        return evaluator_of(self.fast.get(name) or self.functions[name])(*state, self.p)[0]
 
 
 def derive_plant(spec: ModelSpec) -> Plant:

@@ -56,6 +56,12 @@ class Reached:
         """The configuration to take."""
         return self.solutions[0].q
 
+    def in_words(self) -> str:
+        """Say which of how many solutions is taken, and why."""
+        count, taken = len(self.solutions), self.solutions[0]
+        which = f"the one of {count} that is {self.because}" if count > 1 else "the only one found"
+        return f"by inverse kinematics, {which}: manipulability {taken.manipulability:.3g}"
+
     @property
     def isolated(self) -> bool:
         """Whether no other solution is near the one to take."""

@@ -10,7 +10,7 @@ import firmtouch
 from firmtouch.checks import CHECKS, contact, curvature, derivatives, inertia, motion
 from firmtouch.checks.subject import make_subject
 from firmtouch.mechanics.symbolic import derive_symbolically
-from firmtouch.modelfile.sections.robot import Robot
+from firmtouch.modelfile.sections.joint_tree import Robot
 
 NAMES = {
     "Phi(q_d) = 0", "rank of J", "f_d in range J^T", "joint limits", "drives hold q_d", "M symmetric", "M positive definite", "K homogeneous", "passivity",

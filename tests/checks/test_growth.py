@@ -8,7 +8,7 @@ from firmtouch.checks.derivatives import worth_comparing
 from firmtouch.checks.growth import Size, second_derivatives, size_of
 from firmtouch.checks.subject import make_subject
 from firmtouch.modelfile.expression import parse
-from firmtouch.modelfile.sections.robot import Robot
+from firmtouch.modelfile.sections.joint_tree import Robot
 
 q = sympy.Symbol("q", real=True)
 FORMULAS = [

@@ -78,6 +78,17 @@ def test_a_payload_of_parameters_is_a_link_that_is_fixed_there(named, rng):
             close(got, wanted)
 
 
+def test_rotors_are_inertia_of_their_joints_alone(rng):
+    bare = motion(robot(UR5E, JOINTS, {"tool": "flange"}, between=["base", "flange"]))
+    geared = motion(
+        robot(UR5E, JOINTS, {"tool": "flange", "rotors": {"wrist_3": "0.06 kg*m^2"}}, between=["base", "flange"])
+    )
+    q, qdot = rng.uniform(-1, 1, (2, 6))
+    (M, theta), (bare_M, bare_theta) = geared(q, qdot), bare(q, qdot)
+    np.testing.assert_allclose(M - bare_M, np.diag([0, 0, 0, 0, 0, 0.06]), atol=1e-14)  # one rounding
+    np.testing.assert_array_equal(theta, bare_theta)
+
+
 def test_a_point_mass_has_no_inertia_and_a_missing_payload_no_effect(rng):
     plain = motion(robot(UR5E, JOINTS, {"tool": "flange"}, between=["base", "flange"]))
     for mass, change in (("0 kg", False), ("1 kg", True)):

@@ -7,8 +7,9 @@ import pytest
 
 import firmtouch
 from firmtouch.modelfile.files import beside
+from firmtouch.modelfile.sections.chain import ChainMechanism
 from firmtouch.modelfile.sections.operating_point import ReachSpec
-from firmtouch.modelfile.sections.robot import ChainMechanism, UrdfMechanism
+from firmtouch.modelfile.sections.robot import UrdfMechanism
 from firmtouch.modelfile.sections.surface import SurfaceSpec
 
 ROOT = Path(__file__).parents[2]

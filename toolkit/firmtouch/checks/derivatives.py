@@ -16,7 +16,7 @@ from firmtouch.checks.subject import Subject, relative
 from firmtouch.mechanics import Array
 from firmtouch.mechanics.arrays import call
 from firmtouch.modelfile.expression.functions import SCALAR
-from firmtouch.modelfile.sections.robot import Robot
+from firmtouch.modelfile.sections.joint_tree import Robot
 from firmtouch.modelfile.sections.section import expressions_in
 
 if TYPE_CHECKING:

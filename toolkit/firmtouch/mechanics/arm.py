@@ -7,24 +7,31 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from firmtouch.mechanics.arrays import frozen
+from firmtouch.mechanics.arrays import Array, frozen
 from firmtouch.mechanics.rigid_bodies import elementary_rotation
 from firmtouch.mechanics.symbols import Symbols
 from firmtouch.mechanics.tree import KinematicTree, Placement, frame_pose, grow_tree, loaded, placement, planar_chain
 from firmtouch.mechanics.tree.dynamics import Inertias
 from firmtouch.mechanics.tree.kinematics import Pose
 from firmtouch.modelfile import ModelSpec
+from firmtouch.modelfile.sections.chain import ChainMechanism
+from firmtouch.modelfile.sections.joint_tree import Robot
 from firmtouch.modelfile.sections.pose import FrameSpec, PoseSpec
-from firmtouch.modelfile.sections.robot import ChainMechanism, PayloadSpec, Robot, UrdfMechanism
+from firmtouch.modelfile.sections.robot import PayloadSpec, UrdfMechanism
 
 
 @dataclass(frozen=True, slots=True)
 class Arm:
-    """A tree with the inertias of its bodies, in which parameters may stand, and the names of its specification."""
+    """A tree with the inertias of its bodies, in which parameters may stand, and the names of its specification.
+
+    `rotors` (n) is what each coordinate feels of its motor, kg m^2 or kg: behind a gear a rotor turns so much faster than
+    all else that its other motion does not count.
+    """
 
     tree: KinematicTree
     inertias: Inertias
     symbols: Symbols
+    rotors: Array
 
     def pose(self, frame: FrameSpec) -> Pose:
         """Place a frame, or what stands off from it, in the world at q."""
@@ -44,10 +51,13 @@ def arm_of(spec: ModelSpec, symbols: Symbols) -> Arm | None:
     if not isinstance(mechanism, Robot):
         return None
     tree = tree_of(mechanism, symbols)
-    payload = mechanism.payload if isinstance(mechanism, UrdfMechanism) else None
-    if payload is None:
-        return Arm(tree, [each.inertia.symbolic() for each in tree.joints], symbols)
-    return Arm(tree, _with_payload(tree, payload, mechanism.tools(), symbols), symbols)
+    inertias: Inertias = [each.inertia.symbolic() for each in tree.joints]
+    rotors: Array = np.zeros(tree.n)
+    if isinstance(mechanism, UrdfMechanism):
+        rotors = np.array(mechanism.rotor_inertias())
+        if mechanism.payload is not None:
+            inertias = _with_payload(tree, mechanism.payload, mechanism.tools(), symbols)
+    return Arm(tree, inertias, symbols, frozen(rotors))
 
 
 def tree_of(mechanism: Robot, symbols: Symbols) -> KinematicTree:

@@ -14,8 +14,8 @@ from firmtouch.mechanics.robot_scene import robot_scene
 from firmtouch.mechanics.scene import ContactForce, Round, Scene, Wall, solve_force
 from firmtouch.mechanics.symbols import Symbols
 from firmtouch.modelfile import Expression, ModelSpec
+from firmtouch.modelfile.sections.joint_tree import Robot
 from firmtouch.modelfile.sections.mechanism import Bodies, Body
-from firmtouch.modelfile.sections.robot import Robot
 
 
 def draw_scene(plant: Plant, q: Array, lambda_d: Array, ghosts: Sequence[Array] = ()) -> Scene | None:

@@ -28,10 +28,11 @@ def equations_of(spec: ModelSpec, symbols: Symbols, arm: Arm | None) -> Equation
     """Derive them: for a robot by recursion over its tree, otherwise from the energies by Eq. (3)."""
     mechanism, q, qdot = spec.mechanism, symbols.q, symbols.qdot
     if arm is not None:
+        rotors = ca.DM(arm.rotors)
         return Equations(
-            kinetic_energy(arm.tree, q, qdot, arm.inertias),
+            kinetic_energy(arm.tree, q, qdot, arm.inertias) + ca.dot(rotors, qdot**2) / 2,
             potential_energy(arm.tree, q, arm.inertias),
-            mass_matrix(arm.tree, q, arm.inertias),
+            mass_matrix(arm.tree, q, arm.inertias) + ca.diag(ca.SX(rotors)),
             theta(arm.tree, q, qdot, arm.inertias),
         )
     if isinstance(mechanism, Bodies):

@@ -12,8 +12,8 @@ from firmtouch.modelfile.declarations import Declarations, declarations
 from firmtouch.modelfile.diagnostics import validated
 from firmtouch.modelfile.expression import Kind
 from firmtouch.modelfile.files import Attached
+from firmtouch.modelfile.sections.joint_tree import Robot
 from firmtouch.modelfile.sections.mechanism import Mechanism
-from firmtouch.modelfile.sections.robot import Robot
 from firmtouch.modelfile.units import parse_unit
 from firmtouch.modelfile.urdf import UrdfRobot, parse_urdf
 from firmtouch.modelfile.yamltext import Document

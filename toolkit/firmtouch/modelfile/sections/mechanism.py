@@ -20,7 +20,8 @@ from firmtouch.modelfile.fields import (
     refuse,
     under,
 )
-from firmtouch.modelfile.sections.robot import ChainMechanism, UrdfMechanism
+from firmtouch.modelfile.sections.chain import ChainMechanism
+from firmtouch.modelfile.sections.robot import UrdfMechanism
 from firmtouch.modelfile.sections.section import Section
 
 PLANE_OR_SPACE: Final = (2, 3)

@@ -1,4 +1,4 @@
-"""`mechanism` as a robot: a URDF file, or a chain of equal links in the plane. Its joints are the coordinates."""
+"""`mechanism` as a robot of a URDF file. Its joints are the coordinates."""
 
 from __future__ import annotations
 
@@ -23,7 +23,6 @@ from firmtouch.modelfile.fields import (
     constant_in,
     declared,
     expect_dimension,
-    quantity_in,
     read_all,
     read_quantity,
     refuse,
@@ -31,6 +30,7 @@ from firmtouch.modelfile.fields import (
     values_of,
 )
 from firmtouch.modelfile.fields.names import RESERVED
+from firmtouch.modelfile.sections.joint_tree import Robot
 from firmtouch.modelfile.sections.pose import LONGEST_FRAME, PoseSpec
 from firmtouch.modelfile.sections.section import Section
 from firmtouch.modelfile.sections.variables import Coordinate
@@ -42,7 +42,6 @@ from firmtouch.modelfile.words import shown
 
 LONGEST_NAME: Final = 32
 PER_JOINT: Final = {"type": "object", "additionalProperties": QUANTITY_SCHEMA}
-COUNT: Final = {"type": "integer", "minimum": 1, "maximum": MOST_COORDINATES}
 NOT_NEGATIVE: Final = Range(least=0)
 T = TypeVar("T")
 EARTH: Final = (0.0, 0.0, -9.81)
@@ -84,6 +83,12 @@ def _locked(raw: object, info: ValidationInfo) -> dict[str, Quantity]:  # noqa: 
     return read_all(raw.items(), lambda _, each: read_quantity(each, example="0.02 m"))
 
 
+def _rotors(raw: object, info: ValidationInfo) -> dict[str, Quantity]:  # noqa: ARG001
+    if not isinstance(raw, dict):
+        refuse(Problem("an inertia for each joint was expected, as in `{wrist_3: 0.06 kg*m^2}`"))
+    return read_all(raw.items(), lambda _, each: read_quantity(each, example="0.06 kg*m^2"))
+
+
 def _gravity(raw: object, info: ValidationInfo) -> tuple[float, float, float]:  # noqa: ARG001
     if not isinstance(raw, list) or len(raw) != 3:
         refuse(Problem("three accelerations were expected, as in `[0, 0, -9.81]`"))
@@ -117,22 +122,6 @@ class PayloadSpec(Section):
         return self
 
 
-class Robot(Section):
-    """A mechanism that is a tree of joints."""
-
-    def coordinates(self) -> dict[str, Coordinate]:
-        """Give the coordinates, under names that expressions can use."""
-        raise NotImplementedError
-
-    def frames(self) -> tuple[str, ...]:
-        """Give the frames that constraints can name."""
-        raise NotImplementedError
-
-    def tools(self) -> tuple[str, ...]:
-        """Give the frames that are tools."""
-        raise NotImplementedError
-
-
 class UrdfMechanism(Robot):
     """A robot of a URDF file."""
 
@@ -148,6 +137,11 @@ class UrdfMechanism(Robot):
         EARTH, description="as a vector in the world; without it, 9.81 m/s^2 against z"
     )
     payload: PayloadSpec | None = Field(None, description="what the tool carries")
+    rotors: Annotated[dict[str, Quantity], Checked(_rotors, PER_JOINT)] = Field(
+        {},
+        description="inertia that joints feel of their motors, which a URDF does not hold: a rotor's times its "
+        "gear's ratio squared, such as `{wrist_3: 0.06 kg*m^2}`",
+    )
 
     @model_validator(mode="after")
     def _something_moves(self) -> UrdfMechanism:
@@ -160,12 +154,22 @@ class UrdfMechanism(Robot):
         if len(moving.leaders) > MOST_COORDINATES:
             message = f"{len(moving.leaders)} joints move, and at most {MOST_COORDINATES} are read"
             refuse(Problem(f"{message}: name the `tool`, or lock some"))
+        with under("rotors"):
+            read_all(self.rotors.items(), lambda name, each: self._check_rotor(name, each, moving))
         if self.base is not None and any(each.names for each in self.base.expressions()):
             refuse(Problem("the robot's place is made of numbers alone, without parameters", path=("base",)))
         if self.payload is not None:
             with under("payload"):
                 self._check_carrier(self.payload.frame, moving, stopped)
         return self
+
+    def _check_rotor(self, name: str, inertia: Quantity, moving: Moving) -> None:
+        joints = {each.name: each for each in moving.leaders}
+        if name not in joints:
+            refuse(Problem(f"{shown(name)} is no joint that moves by itself", at_key=True, near=(name, tuple(joints))))
+        unit = "kg" if joints[name].type is JointType.PRISMATIC else "kg*m^2"
+        if expect_dimension(inertia, parse_unit(unit).dimension) < 0:
+            refuse(Problem("an inertia must not be negative"))
 
     def _check_locked(self, name: str, position: Quantity) -> None:
         joint = self.urdf.joints.get(name)
@@ -188,6 +192,11 @@ class UrdfMechanism(Robot):
     def positions(self) -> dict[str, float]:
         """Give the locked joints' positions."""
         return {name: each.value for name, each in self.locked.items()}
+
+    def rotor_inertias(self) -> tuple[float, ...]:
+        """Give what each coordinate feels of its motor, in kg m^2 or kg."""
+        known = {name: each.value for name, each in self.rotors.items()}
+        return tuple(known.get(each.name, 0.0) for each in self.moving().coordinates())
 
     def moving(self) -> Moving:
         """Select the joints that move."""
@@ -254,36 +263,3 @@ def _coordinate(joint: MovingJoint) -> Coordinate:
         velocity=bound(joint.velocity, f"{unit}/s"),
         label=None,
     )
-
-
-def _count(raw: object) -> int:
-    if not isinstance(raw, int) or isinstance(raw, bool) or not 1 <= raw <= MOST_COORDINATES:
-        refuse(Problem(f"a whole number from 1 to {MOST_COORDINATES} was expected"))
-    return raw
-
-
-class ChainSpec(Section):
-    """n equal uniform rods in the x-y plane, hinged about z one to the next, hanging from the origin."""
-
-    n: Annotated[int, Checked(lambda raw, _: _count(raw), COUNT)] = Field(description="the number of links")
-    length: Annotated[float, quantity_in("m", least=1e-9)] = Field(description="of one link")
-    mass: Annotated[float, quantity_in("kg", least=1e-9)] = Field(description="of one link")
-    gravity: Annotated[float, quantity_in("m/s^2")] = Field(9.81, description="against y")
-
-
-class ChainMechanism(Robot):
-    """A chain of equal links in the plane, for studies of scale; its frames are `link1` to `linkn`, and `tip`."""
-
-    planar_chain: ChainSpec
-
-    def coordinates(self) -> dict[str, Coordinate]:
-        """Give q1 to qn."""
-        return {f"q{i + 1}": Coordinate(unit="rad") for i in range(self.planar_chain.n)}
-
-    def frames(self) -> tuple[str, ...]:
-        """Give the links and the tip."""
-        return (*(f"link{i + 1}" for i in range(self.planar_chain.n)), "tip")
-
-    def tools(self) -> tuple[str, ...]:
-        """Give the tip."""
-        return ("tip",)

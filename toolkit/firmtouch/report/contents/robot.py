@@ -10,10 +10,12 @@ import numpy as np
 
 from firmtouch.design import Design
 from firmtouch.modelfile.fields import Expression
+from firmtouch.modelfile.sections.chain import ChainMechanism
 from firmtouch.modelfile.sections.constraint import Constraint
 from firmtouch.modelfile.sections.frames import SurfaceContact
+from firmtouch.modelfile.sections.joint_tree import Robot
 from firmtouch.modelfile.sections.pose import PoseSpec
-from firmtouch.modelfile.sections.robot import EARTH, ChainMechanism, Robot, UrdfMechanism
+from firmtouch.modelfile.sections.robot import EARTH, UrdfMechanism
 from firmtouch.modelfile.sections.variables import Coordinate
 from firmtouch.modelfile.urdf.robot import JointType
 from firmtouch.report.document import Block, Code, Line, Math, Paragraph, Table
@@ -69,6 +71,8 @@ def from_file(mechanism: UrdfMechanism) -> Iterator[Block]:
         yield Paragraph((" ".join(still),))
     if mechanism.payload is not None:
         yield Paragraph(_payload(mechanism))
+    if mechanism.rotors:
+        yield Paragraph(_rotors(mechanism))
 
 
 def _base(base: PoseSpec | None) -> Line:
@@ -106,6 +110,11 @@ def _still(mechanism: UrdfMechanism) -> list[str]:
     if left_out:
         found.append(f"Left out, as they do not move the tool: {', '.join(left_out)}, with all that they carry.")
     return found
+
+
+def _rotors(mechanism: UrdfMechanism) -> Line:
+    listed = ", ".join(f"{name.replace('_', ' ')} {each.text}" for name, each in mechanism.rotors.items())
+    return ("Of their motors' rotors the joints feel further inertia on the diagonal of ", Math("M"), f": {listed}.")
 
 
 def _payload(mechanism: UrdfMechanism) -> Line:

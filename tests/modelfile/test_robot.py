@@ -126,10 +126,14 @@ MISTAKES = {
     "a number as tool": ((TOOL, "tool: »5"), "the name of a link was expected"),
     "no tools": ((TOOL, "tool: »[]"), "the name of a link was expected, or a list of them"),
     "nothing in a list of tools": ((TOOL, "tool: [flange, »~]"), "the name of a link was expected"),
-    "unknown key": ((TOOL, "»tol: flange"), "unknown key `tol`; there are: urdf, tool, locked, base, gravity, payload; did you mean `tool`?"),
+    "unknown key": ((TOOL, "»tol: flange"), "unknown key `tol`; there are: urdf, tool, locked, base, gravity, payload, rotors; did you mean `tool`?"),
     "a robot and bodies": ((TOOL, f"{TOOL}\n  »bodies: {{}}"), "`bodies` does not go with `urdf`; there are: urdf, tool"),
     "a robot and a chain": ((TOOL, f"{TOOL}\n  »planar_chain: {{n: 2}}"), "`planar_chain` does not go with `urdf`"),
-    # What is locked.
+    # What is locked, and what motors add.
+    "rotor of no joint": ((TOOL, f"{TOOL}\n  rotors: {{»elbo: 1 kg*m^2}}"), "`elbo` is no joint that moves by itself; did you mean `elbow`?"),
+    "rotor in kg": ((TOOL, f"{TOOL}\n  rotors: {{elbow: »1 kg}}"), "`1 kg` is in kg, but kg*m^2 was expected"),
+    "negative rotor": ((TOOL, f"{TOOL}\n  rotors: {{elbow: »-1 kg*m^2}}"), "an inertia must not be negative"),
+    "one rotor for all": ((TOOL, f"{TOOL}\n  rotors: »1 kg*m^2"), "an inertia for each joint was expected"),
     "unknown joint": ((TOOL, f"{TOOL}\n  locked: {{elbo: »1}}"), "there is no joint `elbo` that could be locked; did you mean `elbow`?"),
     "locked out of bounds": ((TOOL, f"{TOOL}\n  locked: {{elbow: »20}}"), "joint `elbow` is locked at 20, outside of its bounds -3.14159 to 3.14159"),
     "an angle in metres": ((TOOL, f"{TOOL}\n  locked: {{elbow: »1 m}}"), "`1 m` is in m, but a plain number or an angle was expected"),

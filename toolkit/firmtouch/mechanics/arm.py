@@ -24,8 +24,8 @@ from firmtouch.modelfile.sections.robot import PayloadSpec, UrdfMechanism
 class Arm:
     """A tree with the inertias of its bodies, in which parameters may stand, and the names of its specification.
 
-    `rotors` (n) is what each coordinate feels of its motor, kg m^2 or kg: behind a gear a rotor turns so much faster than
-    all else that its other motion does not count.
+    `rotors` (n) is what each coordinate feels of its motor, kg m^2 or kg: behind a gear a rotor turns so much faster
+    than all else that its other motion does not count.
     """
 
     tree: KinematicTree

@@ -133,6 +133,7 @@ class TestAFinishedDesign:
         assert main(["design", str(PENDULUM), "--no-pdf"]) == 0
         assert listed(tmp_path / "reports" / "pendulum_rod") == FILES - {"report.pdf"}
 
+    @pytest.mark.slow
     def test_the_same_model_gives_the_same_files_again(self, finished, tmp_path):
         again = run_program("--out", tmp_path)
         assert again.wait() == 0

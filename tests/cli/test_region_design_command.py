@@ -83,6 +83,7 @@ def test_a_front_needs_a_region_design(design):
     assert "--method region" in err
 
 
+@pytest.mark.slow
 def test_terms_that_conflict_are_named_with_what_they_would_have_to_give(design):
     code, out, err = design("--method", "region", replace=[("at_most: 15 N*m", "at_most: 1 N*m")])
     assert code == 1

@@ -74,7 +74,7 @@ EXPECTED = {
 }
 
 
-LONG = {"02_region_design", "03_proof", "05_real_arm"}
+LONG = {"04_simulation", "02_region_design", "03_proof", "05_real_arm"}
 """Searches and proofs of half a minute each."""
 
 

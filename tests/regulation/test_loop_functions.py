@@ -1,10 +1,27 @@
 """The closed loop as functions: against the loop solved in numbers, against differences, and against its poles."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+import firmtouch
 from firmtouch.regulation import Controller, closed_loop_acceleration, control_law
 from firmtouch.regulation.loop_functions import loop_functions
+
+ROOT = Path(__file__).parents[2]
+
+MODELS = ("planar_3r_circle", "spatial_3r_sphere", "two_arms_bar")
+LARGE = ("spatial_6r_plane", "panda_sphere_normal", "dual_arm_box")
+
+
+@pytest.fixture(scope="module", params=[*MODELS, *(pytest.param(each, marks=pytest.mark.slow) for each in LARGE)])
+def loop(request):
+    op = firmtouch.find_operating_point(
+        firmtouch.derive_plant(firmtouch.read_model(ROOT / "models" / f"{request.param}.yaml").spec)
+    )
+    return firmtouch.assign_poles(op, op.plant.spec.design)
+
 
 OTHERS = [pytest.param(each, marks=pytest.mark.slow) for each in Controller if each is not Controller.ENERGY_WITH_FORCE]
 

@@ -15,7 +15,7 @@ from firmtouch.report.figures.canvas import FORCE, MUTED
 SVG = "{http://www.w3.org/2000/svg}"
 
 
-@pytest.mark.parametrize("name", ["planar_2r_circle", "spatial_3r_sphere"])
+@pytest.mark.parametrize("name", ["planar_2r_circle", pytest.param("spatial_3r_sphere", marks=pytest.mark.slow)])
 def test_all_starts_are_marked(name, loop_of):
     loop = loop_of(firmtouch.read_model(Path(__file__).parents[2] / "models" / f"{name}.yaml"))
     found = find_attraction(loop, most_cells=150)

@@ -40,11 +40,11 @@ FILES = {
 @pytest.mark.parametrize("name", FILES)
 def test_it_is_refused_at_its_place(name):
     content, wanted = FILES[name]
-    start = time.perf_counter()
+    start = time.process_time()
     with pytest.raises(ModelFileError) as caught:
         parse_urdf(content, file="x.urdf")
     assert wanted in str(caught.value)
-    assert time.perf_counter() - start < 1  # s; the largest file takes 0.05 s
+    assert time.process_time() - start < 1  # s of this process; the largest file takes 0.05 s
 
 
 def test_a_huge_word_is_shown_short_and_clean():
@@ -60,11 +60,11 @@ def test_very_many_mistakes_end_the_reading():
     joints = "".join(
         f'<joint name="j{i}" type="fixed"><parent link="x{i}"/><child link="y{i}"/></joint>' for i in range(5000)
     )
-    start = time.perf_counter()
+    start = time.process_time()
     with pytest.raises(ModelFileError) as caught:
         parse_urdf(f'<robot><link name="a"/>{joints}</robot>'.encode(), file="x.urdf")
     assert 50 < len(caught.value.diagnostics) <= 100
-    assert time.perf_counter() - start < 2
+    assert time.process_time() - start < 2
 
 
 def test_a_very_long_chain_is_walked_without_recursion():

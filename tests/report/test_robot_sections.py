@@ -125,8 +125,8 @@ class TestARobotsModel:
 
     def test_the_constraints_are_said_in_words_with_the_surfaces_measures(self, blocks):
         (row,) = tables(blocks)[1].rows
-        assert [text(each) for each in row[1:3]] == ["m", "distance from the surface"]
-        assert text(row[3]).startswith("flange on a plane: point [0, 0, 0.1 m], normal [0, 0, 1]")
+        assert [text(each) for each in row[1:3]] == ["m", "the grinder's point stays on the table"]
+        assert text(row[3]).startswith("flange on a plane: point [0, 0, 0.10 m], normal [0, 0, 1]")
 
     def test_the_recursion_is_named_with_its_operations(self, blocks, design):
         functions = design.loop.operating_point.plant.functions
@@ -135,7 +135,7 @@ class TestARobotsModel:
         assert "too long" not in told(blocks)
 
     def test_what_it_carries_is_told(self, blocks):
-        assert "Its link flange carries 1 kg with the centre of mass at [0, 0, 0.05 m]" in told(blocks)
+        assert "Its link flange carries mp with the centre of mass at [0, 0, 0.5*lt]" in told(blocks)
 
     def test_the_operating_point_tells_of_the_inverse_kinematics(self, design):
         blocks = operating_point.section(design).blocks

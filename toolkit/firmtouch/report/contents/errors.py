@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
@@ -17,6 +18,12 @@ from firmtouch.simulation.steady import EXACT, SimulatedError
 from firmtouch.simulation.trajectory import Outcome
 
 NO_BREAK: Final = "\N{NO-BREAK SPACE}"
+LONGEST: Final = 7
+"""Entries up to which a vector stands in a table whole."""
+MANY: Final = 4
+"""Semi-axes up to which all are told."""
+LARGEST: Final = 4
+"""Entries that are told of a longer one."""
 
 
 def section(design: Design) -> Section:
@@ -82,6 +89,8 @@ def _worst(design: Design) -> Table:
     ]
     if m > 1:
         named.append(("rotation", "rotation", "(R^T - I) lambda_d", "rad"))
+    spec = design.model.spec
+    names = {"coordinate": list(spec.coordinates), "constraint": list(spec.constraints)}
     rows: list[tuple[Line, ...]] = []
     for name, words, symbol, unit in named:
         error: SteadyStateError = getattr(errors, name)
@@ -92,24 +101,36 @@ def _worst(design: Design) -> Table:
             ("delta lambda", error.worst_constraint_force, units.multiplier, tried[1]),
         ):
             if worst.value > 0:
-                cause: Line = (Math(symbol), f" = {vector(worst.cause)}")
+                of_cause = names["constraint" if name == "offset" else "coordinate"]
+                cause: Line = (Math(symbol), f" = {_direction(worst.cause, of_cause)}")
                 value: Line = (f"{number(worst.value, 3)} {of_effect}".rstrip(),)
-                cells = [first, (Math(f"abs({effect})"),), value, cause, (vector(worst.effect),)]
+                of_rows = names["coordinate" if effect == "delta q" else "constraint"]
+                cells = [first, (Math(f"abs({effect})"),), value, cause, (_direction(worst.effect, of_rows),)]
                 if simulated is not None:
                     cells.insert(3, _simulated(found, of_effect))
                 rows.append(tuple(cells))
                 first = ("",)
+    broad = {0} if spec.n > LONGEST else set()
     headings: list[Line] = [("cause, bound",), ("",), ("worst",), ("taken at",), ("where the effect is",)]
     caption = "Worst cases, with the direction in which they are taken."
     if simulated is None:
-        return Table(tuple(headings), tuple(rows), frozenset({2}), (caption,), frozenset({3, 4}))
+        return Table(tuple(headings), tuple(rows), frozenset({2}), (caption,), frozenset({3, 4, *broad}))
     headings.insert(3, ("simulated",))
     caption += (
         " Simulated: what the nonlinear loop came to rest with, how far that is from the prediction, relative to it, "
         "and the order with which this falls as the cause is halved twice: 1 where the prediction is exact in first "
         "order, and none where the deviation turns its direction meanwhile."
     )
-    return Table(tuple(headings), tuple(rows), frozenset({2}), (caption,), frozenset({3, 4, 5}))
+    return Table(tuple(headings), tuple(rows), frozenset({2}), (caption,), frozenset({3, 4, 5, *broad}))
+
+
+def _direction(values: Array, names: Sequence[str]) -> str:
+    """Write a vector, or of a long one its largest entries with what they belong to."""
+    if len(values) <= LONGEST or len(values) != len(names):
+        return vector(values)
+    largest = sorted(range(len(values)), key=lambda i: -abs(values[i]))[:LARGEST]
+    told = ", ".join(f"{names[i].replace('_', ' ')} {number(float(values[i]), 3)}" for i in sorted(largest))
+    return f"{told}; others smaller"
 
 
 def _simulated(found: SimulatedError | None, unit: str) -> Line:
@@ -127,4 +148,8 @@ def _simulated(found: SimulatedError | None, unit: str) -> Line:
 
 def _bound(bound: float | Array, unit: str) -> str:
     values = [bound] if isinstance(bound, float) else [float(each) for each in bound]
-    return f"up to {number(values[0], 3)} {unit}" if len(set(values)) == 1 else f"semi-axes {vector(values)}"
+    if len(set(values)) == 1:
+        return f"up to {number(values[0], 3)} {unit}"
+    if len(values) > MANY:
+        return f"semi-axes of {number(min(values), 3)} to {number(max(values), 3)}"
+    return f"semi-axes {vector(values)}"

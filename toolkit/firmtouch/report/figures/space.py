@@ -99,7 +99,7 @@ def _set_axes(axes: Any, low: Array, high: Array) -> None:  # noqa: ANN401  # ma
         bins = max(2, round(TICKS * float(length / np.max(size))))
         axis.set_major_locator(MaxNLocator(bins, steps=[1, 2, 5, 10]))
         axis.set_pane_color((0.97, 0.975, 0.98, 1.0))
-    axes.tick_params(labelsize=8, pad=0)
+    axes.tick_params(labelsize=8.2, pad=0)
 
 
 def _draw_links(axes: Any, scene: Scene, floor: float, view: View) -> None:  # noqa: ANN401  # matplotlib

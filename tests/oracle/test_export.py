@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,6 +19,7 @@ from firmtouch.oracle import (
 from firmtouch.oracle.machine import Machine
 from firmtouch.regulation.operating_point import locate
 
+ROOT = Path(__file__).parents[2]
 ROUNDING = 1e-13  # of sums of some hundred products, relative to the largest
 
 
@@ -170,3 +172,9 @@ def test_the_gap_is_phi_and_the_rows_force_is_mujocos_contact_force(arm, rng):
         # J^T lambda is all that constrains: the same sign, scale and point as ours.
         assert op.plant.J(q).T @ machine.lambda_() == pytest.approx(machine.data.qfrc_constraint, rel=1e-9, abs=1e-9)
     assert seen > 10
+
+
+def test_robots_are_not_exported_and_it_is_said():
+    plant = firmtouch.derive_plant(firmtouch.read_model(ROOT / "models" / "panda_plane.yaml").spec)
+    with pytest.raises(NotExpressibleError, match="held against Pinocchio"):
+        export_mechanism(plant, np.zeros(plant.n))

@@ -15,6 +15,7 @@ from firmtouch.mechanics.arrays import Vector, call, frozen
 from firmtouch.mechanics.rigid_bodies import angular_jacobian, rotation
 from firmtouch.mechanics.symbols import Symbols
 from firmtouch.modelfile import Expression
+from firmtouch.modelfile.sections.joint_tree import Robot
 from firmtouch.modelfile.sections.mechanism import Bodies, Body
 from firmtouch.oracle.library import NotExpressibleError
 
@@ -92,9 +93,13 @@ def find_tree(plant: Plant, at: Vector) -> Tree:
     Raises
     ------
     NotExpressibleError
-        If the mechanism is given by energies, or a coordinate is no joint of a tree.
+        If the mechanism is given by energies or is a robot, or a coordinate is no joint of a tree.
     """
     mechanism = plant.spec.mechanism
+    if isinstance(mechanism, Robot):
+        raise NotExpressibleError(
+            "robots are held against Pinocchio, not against MuJoCo: only mechanisms of `bodies` are exported"
+        )
     if not isinstance(mechanism, Bodies):
         raise NotExpressibleError(
             "MuJoCo takes a mechanism of rigid bodies; this one is given by its energies, which say nothing of where "

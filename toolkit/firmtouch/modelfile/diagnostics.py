@@ -9,7 +9,6 @@ from pydantic import BaseModel, Tag, ValidationError
 from pydantic_core import ErrorDetails
 
 from firmtouch.errors import Diagnostic, ModelFileError
-from firmtouch.modelfile.declarations import Declarations
 from firmtouch.modelfile.expression import Problem
 from firmtouch.modelfile.fields import problems_of
 from firmtouch.modelfile.words import listed, shown
@@ -32,8 +31,8 @@ PAIRS: Final = {
 T = TypeVar("T", bound=BaseModel)
 
 
-def validated(document: Document, root: type[T], known: Declarations) -> T:
-    """Read a document as what it should be; `known` are the names that its entries may use.
+def validated(document: Document, root: type[T], known: object) -> T:
+    """Read a document as what it should be; `known` are the names that its entries may use, as its fields expect them.
 
     Raises
     ------

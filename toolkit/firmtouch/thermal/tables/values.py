@@ -1,0 +1,99 @@
+"""What the rows of the tables are: a material, a part, a contact."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from firmtouch.thermal.tables.rows import Held
+
+
+@dataclass(frozen=True, slots=True)
+class Material:
+    """A material at about 300 K: `k` in W/(m K), `rho` in kg/m^3, `c` in J/(kg K), each within +- `tolerance` of it."""
+
+    name: str
+    title: str
+    k: float
+    rho: float
+    c: float
+    tolerance: float
+    source: str
+
+    @property
+    def rho_c(self) -> float:
+        """Heat capacity of a volume, rho c, in J/(m^3 K)."""
+        return self.rho * self.c
+
+    @property
+    def alpha(self) -> float:
+        """Diffusivity k/(rho c), in m^2/s."""
+        return self.k / self.rho_c
+
+    @property
+    def e(self) -> float:
+        """Effusivity sqrt(k rho c), in W s^(1/2)/(m^2 K)."""
+        return math.sqrt(self.k * self.rho_c)
+
+
+@dataclass(frozen=True, slots=True)
+class ContactPreset:
+    """A contact: its conductance h in W/(m^2 K), and between what it lies in use."""
+
+    name: str
+    title: str
+    conductance: float
+    low: float
+    high: float
+    tolerance: float
+    source: str
+
+
+@dataclass(frozen=True, slots=True)
+class HeatCapacity:
+    """A part's heat capacity in J/K, the way it was found, and what other ways give.
+
+    `basis` is `published`, `delta tau`, `mass` or `volume`; `ways` holds the values of all that were possible.
+    `warning` is not empty where the basis and the body (m c, or V rho c) differ by more than a factor of 2.
+    """
+
+    value: float
+    basis: str
+    ways: Mapping[str, float]
+    warning: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A thermistor or an RTD that can be bought; what its data sheet does not tell is None.
+
+    `size` is its length, width and height in m, `footprint` its area in m^2 as seen from above, `volume` that of its
+    body in m^3, `mass` in kg. `resistance` in ohm, at the temperature `resistance_at` in K, and `B` in K are the least
+    and the most of a family, the same twice for one part; `coefficient` is that of a metal, in 1/K.
+    """
+
+    name: str
+    title: str
+    kind: str
+    tolerance: float
+    source: str
+    size: tuple[float, float, float] | None = None
+    footprint: float | None = None
+    volume: float | None = None
+    mass: float | None = None
+    resistance: tuple[float, float] | None = None
+    resistance_at: float = 298.15
+    B: tuple[float, float] | None = None
+    B_between: tuple[float, float] | None = None
+    coefficient: float | None = None
+    dissipation: Held | None = None
+    time_constant: Held | None = None
+    capacity: HeatCapacity | None = None
+
+
+def go_together(delta: Held | None, tau: Held | None) -> bool:
+    """Tell whether C = delta tau may be taken: both in the same known medium and mounting, and neither a bound."""
+    if delta is None or tau is None or delta.bound or tau.bound:
+        return False
+    return delta.medium is not None and (delta.medium, delta.mounting) == (tau.medium, tau.mounting)

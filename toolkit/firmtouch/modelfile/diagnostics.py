@@ -74,6 +74,8 @@ def _diagnostics(errors: list[ErrorDetails], document: Document, root: type[Base
 def _located(details: ErrorDetails, document: Document, root: type[BaseModel]) -> Iterator[tuple[int, int, Problem]]:
     if details["loc"][:1] == ("coordinates",) and len(details["loc"]) > 1 and ("coordinates",) not in document.values:
         return  # a robot's joints are not written here; what their names meet is told where that is
+    if details["type"] == "too_short" and len(details["input"]) >= details["ctx"]["min_length"]:
+        return  # there are enough entries; those that could not be read are told themselves
     problems = problems_of(details.get("ctx"))
     location = _location(details["loc"], ours=bool(problems))
     for problem in problems or (_own_words(details, location, root),):

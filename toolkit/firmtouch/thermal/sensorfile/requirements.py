@@ -25,7 +25,7 @@ class RiseTimeSpec(Section):
 
     at_most: Duration
     metric: Literal["10-90", "63 %", "d_prime"] = Field(
-        description="`10-90` or `63 %` of the extremum in the window; `d_prime`: until all pairs of `discrimination` have d'"
+        description="`10-90` or `63 %` of the extremum; `d_prime`: until all pairs of `discrimination` have d'"
     )
     signal: Literal["temperature", "power"] | None = Field(
         None, description="by default the drive's: the heater's power at constant temperature, otherwise temperature"

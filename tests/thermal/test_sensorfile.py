@@ -121,6 +121,18 @@ class TestAGoodFile:
         assert film.areal_capacity(self.sensor.catalogue) == pytest.approx(21450 * 133 * 100e-9)
         assert chip.areal_capacity(self.sensor.catalogue) == pytest.approx(1e-6 * 2000 / 0.5e-6)
 
+    def test_the_element_is_the_rows_or_the_films(self):
+        film = self.spec.entry("film").film
+        parts = self.sensor.catalogue.parts
+        own = film.element(None)
+        assert (own.resistance, own.at, own.B, own.coefficient) == pytest.approx((100, 298.15, None, 3.85e-3))
+        with_row = film.model_copy(update={"resistance": None, "coefficient": None})
+        pt100, ntc = (with_row.element(parts[name]) for name in ("ist_p0k1_161", "semitec_103kt1005t"))
+        assert (pt100.resistance, pt100.at, pt100.coefficient) == pytest.approx((100, 273.15, 3.85e-3))
+        assert (ntc.resistance, ntc.at, ntc.B) == pytest.approx((1e4, 298.15, 3435))
+        assert with_row.element(parts["tdk_b57885s"]) is None  # a family
+        assert with_row.element(parts["amphenol_b05"]) is None
+
     def test_the_variables_of_the_search(self):
         assert self.spec.search.variables() == (
             ("stack", "cover", "thickness"), ("stack", "cover", "material"), ("stack", "chip", "part"), ("contact", "nominal"),
@@ -266,7 +278,15 @@ MISTAKES = {
     "film of two": (FOAM, f"{{film: {MARK}{{capacity: 1, part: amphenol_b05}}}}", "here is `part` and `capacity`"),
     "film without thickness": (FOAM, f"{{{MARK}film: {{material: gold}}}}", "`thickness` is missing here"),
     "film with an area": (FOAM, f"{{film: {{material: gold, thickness: 1 um, {MARK}area: 1 mm^2}}}}", "`area` goes with `part`"),
-    "part with another B": (FOAM, f"{{film: {{part: amphenol_b05, {MARK}B: 3000 K}}}}", "a part brings its `B` from the table"),
+    "part with another B": (FOAM, f"{{film: {{part: murata_ncp03wf104, {MARK}B: 3000 K}}}}", "a part brings its `B` from the table"),
+    "a metal with B": (FOAM, f"{{film: {{part: ist_p0k1_161, {MARK}B: 3000 K}}}}", "a metal has a `coefficient` and no `B`"),
+    "an oxide with a coefficient": (FOAM, f"{{film: {{part: amphenol_b05, {MARK}coefficient: 1 %/K}}}}", "an ntc has a `B` and no `coefficient`"),
+    "a film with both": (FOAM, f"{{film: {{capacity: 1, {MARK}B: 3000 K, coefficient: 1 %/K}}}}", "a metal has a `coefficient` and no `B`"),
+    "a resistance out of its family": (
+        FOAM,
+        f"{{film: {{part: vishay_tfpt0603, area: 1 mm^2, resistance: {MARK}2 kohm}}}}",
+        "the parts of this family have 100 to 1000",
+    ),
     "backing of air without h": (BASE, f"backing: {MARK}air", "give its conductance, `{air: 10 W/m^2/K}`"),
     "backing of two": (BASE, f"backing: {MARK}{{air: 10, half_space: pdms}}", "here is `half_space` and `air`"),
     "backing of nothing known": (BASE, f"backing: {MARK}bas", "did you mean `base`?"),
@@ -308,6 +328,14 @@ ADDED = {
     "cross-talk of one pad": (f"pad: {{radius: 1 mm}}\nrequirements: {{{MARK}crosstalk: {{at_most: 5 %, time: 1 ms}}}}", "`crosstalk` needs a `pad` with its `pitch`"),
     "cross-talk at no time": (f"pad: {{radius: 1 mm, pitch: 3 mm}}\nrequirements: {{crosstalk: {MARK}5 %}}", "say at which `time` after the touch"),
     "power of nothing": (f"pad: {{radius: 1 mm}}\nrequirements: {{power: {MARK}{{}}}}", "at least one of `pad` and `array` is needed"),
+    "a bridge on nothing": (
+        f"electronics: {{sampling: 1 kHz, bridge_voltage: {MARK}1 V}}",
+        "the sensed film has no `resistance` with a `B` or a `coefficient`",
+    ),
+    "self-heating of no bridge": (
+        f"electronics: {{sampling: 1 kHz, temperature_noise: 1 mK}}\nrequirements: {{{MARK}self_heating: 0.1 K}}",
+        "`self_heating` needs the `bridge_voltage`",
+    ),
     "search of nothing": (f"{MARK}search: {{objective: power}}", "nothing to search; there are: stack, contact, drive"),
     "search of no entry": (f"search: {{objective: power, stack: {{{MARK}cover: {{thickness: [1 um, 2 um]}}}}}}", "`cover` is the `name` of no entry of the stack"),
     "search of no pad": (f"search: {{objective: power, {MARK}pad: {{radius: [1 mm, 2 mm]}}}}", "the file has no `pad` to start from"),

@@ -52,6 +52,7 @@ class SensorSpec(RowsSpec):
             self._names(),
             self._signal(),
             self._what_requirements_need(),
+            self._what_a_bridge_needs(known_to(info)),
             self._what_search_names(known_to(info)),
         )
         problems = tuple(chain(*checks))
@@ -154,7 +155,7 @@ class SensorSpec(RowsSpec):
         if by_d_prime and asked.discrimination is None:
             message = "the metric `d_prime` needs `discrimination`, whose pairs must be told apart"
             yield Problem(message, path=(*where, "rise_time", "metric"))
-        noisy = {"discrimination": asked.discrimination, "range": asked.range, "self_heating": asked.self_heating}
+        noisy = {"discrimination": asked.discrimination, "range": asked.range}
         for name, each in noisy.items():
             if each is not None and self.electronics is None:
                 yield Problem(f"`{name}` needs the `electronics`", path=(*where, name), at_key=True)
@@ -167,6 +168,27 @@ class SensorSpec(RowsSpec):
         if asked.crosstalk is not None and asked.crosstalk.time is None and asked.rise_time is None:
             message = "say at which `time` after the touch, as in `{at_most: 5 %, time: 10 ms}`"
             yield Problem(message, path=(*where, "crosstalk"))
+
+    def _what_a_bridge_needs(self, known: Known) -> Iterator[Problem]:
+        """Hold to a resistance that depends on temperature, where it is read by a bridge."""
+        bridge = self.electronics is not None and self.electronics.bridge_voltage is not None
+        for name in ("self_heating", "feedback"):
+            if getattr(self.requirements, name) is not None and not bridge:
+                message = f"`{name}` needs the `bridge_voltage` of the `electronics`"
+                yield Problem(message, path=("requirements", name), at_key=True)
+        entry = next((each for each in self.stack if each.sensed), None)
+        if not bridge or entry is None:
+            return
+        film = entry.film
+        if film is None or (film.element(known.parts.get(film.part or "")) is None and not _unusable(film.part, known)):
+            message = "the sensed film has no `resistance` with a `B` or a `coefficient`; else give `temperature_noise`"
+            yield Problem(message, path=("electronics", "bridge_voltage"))
+            return
+        choice = self.search.stack.get(entry.name or "") if self.search is not None else None
+        for i, name in enumerate((choice.part if choice is not None else None) or ()):
+            if film.element(known.parts.get(name)) is None and not _unusable(name, known):
+                message = f"{shown(name)} has no `resistance` with a `B` or a `coefficient` in the tables"
+                yield Problem(message, path=("search", "stack", str(entry.name), "part", i))
 
     def _what_search_names(self, known: Known) -> Iterator[Problem]:
         search = self.search
@@ -193,6 +215,11 @@ class SensorSpec(RowsSpec):
         if "discrimination" in (search.objective, *search.front) and self.requirements.discrimination is None:
             message = "to make discrimination best, say in `requirements: discrimination` of which pairs"
             yield Problem(message, path=("search", "objective"))
+
+
+def _unusable(part: str | None, known: Known) -> bool:
+    """Tell whether a part's row is a mistake already, which is told there."""
+    return part is not None and part in known.parts and known.parts[part] is None
 
 
 def _of_entry(entry: StackEntry, choice: EntryChoice, where: tuple[str, ...], known: Known) -> Iterator[Problem]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Annotated, Any, Final
 
 from pydantic import Field, StrictBool, ValidationInfo, model_validator
@@ -13,12 +14,23 @@ from firmtouch.modelfile.words import did_you_mean, shown
 from firmtouch.thermal.fields import Conductance, Length, amount, read_name
 from firmtouch.thermal.tables.catalogue import Catalogue
 from firmtouch.thermal.tables.rows import MaterialName, known_to
+from firmtouch.thermal.tables.values import REFERENCE, Part
 
 Area = Annotated[float, amount("m^2", least=1e-12, most=1)]
 ArealCapacity = Annotated[
     float, amount("J/m^2/K", least=1e-9, most=1e7, zero="a film without a capacity; mark a layer as `sensed` instead")
 ]
 ELECTRICAL: Final = ("resistance", "B", "coefficient")
+
+
+@dataclass(frozen=True, slots=True)
+class Element:
+    """What is felt with: `resistance` in ohm at `at` in K, and either `B` in K or `coefficient` in 1/K."""
+
+    resistance: float
+    at: float
+    B: float | None
+    coefficient: float | None
 
 
 def read_part(raw: object, info: ValidationInfo) -> str:
@@ -50,7 +62,7 @@ class FilmSpec(Section):
     area: Area | None = Field(None, description="over which the part spreads, by default its footprint")
     capacity: ArealCapacity | None = Field(None, description="C'' itself")
     resistance: Annotated[float, amount("ohm", least=1e-3, most=1e9)] | None = Field(
-        None, description="at 25 degC, where the film feels; a part brings its own"
+        None, description="at 25 degC, where the film feels; of a part, where its row has none or that of a family"
     )
     B: Annotated[float, amount("K", least=100, most=2e4)] | None = Field(None, description="of a film of an oxide")
     coefficient: Annotated[float, amount("1/K", least=1e-5, most=0.1)] | None = Field(
@@ -69,20 +81,29 @@ class FilmSpec(Section):
                 refuse(Problem(f"`{name}` goes with `{of}`", path=(name,), at_key=True))
         if ways == ["material"] and self.thickness is None:
             refuse(Problem("`thickness` is missing here", at_key=True))
-        self._check_electrical()
-        self._check_area(info)
+        part = known_to(info).parts.get(self.part or "")
+        self._check_electrical(part)
+        self._check_area(part)
         return self
 
-    def _check_electrical(self) -> None:
+    def _check_electrical(self, part: Part | None) -> None:
         for name in ELECTRICAL:
-            if self.part is not None and getattr(self, name) is not None:
+            given, of_row = getattr(self, name), getattr(part, name, None)
+            low, high = of_row if isinstance(of_row, tuple) else (of_row, of_row)
+            if given is None or of_row is None:
+                continue
+            if low == high:
                 message = f"a part brings its `{name}` from the table; add a row to the table for another"
                 refuse(Problem(message, path=(name,), at_key=True))
-        if self.B is not None and self.coefficient is not None:
-            refuse(Problem("give either `B` (an oxide) or `coefficient` (a metal)", path=("coefficient",), at_key=True))
+            if not low <= given <= high:
+                refuse(Problem(f"the parts of this family have {low:g} to {high:g}", path=(name,)))
+        metal = self.coefficient is not None or (part is not None and part.kind != "ntc")
+        if self.B is not None and metal:
+            refuse(Problem("a metal has a `coefficient` and no `B`", path=("B",), at_key=True))
+        if self.coefficient is not None and part is not None and part.kind == "ntc":
+            refuse(Problem("an ntc has a `B` and no `coefficient`", path=("coefficient",), at_key=True))
 
-    def _check_area(self, info: ValidationInfo) -> None:
-        part = known_to(info).parts.get(self.part or "")
+    def _check_area(self, part: Part | None) -> None:
         if part is not None and part.footprint is None and self.area is None:
             message = f"{shown(part.name)} has no footprint in the tables; give the `area` over which it spreads"
             refuse(Problem(message, path=("part",)))
@@ -100,6 +121,23 @@ class FilmSpec(Section):
         assert part.capacity is not None
         assert area is not None
         return part.capacity.value / area
+
+    def element(self, part: Part | None) -> Element | None:
+        """Give what is felt with: the row's of a part, and the film's own where that tells none; else None."""
+        resistance, at, B, coefficient = self.resistance, REFERENCE, self.B, self.coefficient
+        if part is not None:
+            if resistance is None:
+                resistance, at = _only(part.resistance), part.resistance_at
+            B = _only(part.B) if B is None else B
+            coefficient = part.coefficient if coefficient is None else coefficient
+        if resistance is None or (B is None and coefficient is None):
+            return None
+        return Element(resistance, at, B, coefficient)
+
+
+def _only(pair: tuple[float, float] | None) -> float | None:
+    """Give the value of one part; a family has none."""
+    return pair[0] if pair is not None and pair[0] == pair[1] else None
 
 
 class StackEntry(Section):

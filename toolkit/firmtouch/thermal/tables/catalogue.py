@@ -25,7 +25,7 @@ from firmtouch.thermal.tables.rows import (
     PartRow,
     RowsSpec,
 )
-from firmtouch.thermal.tables.values import ContactPreset, Material, Part
+from firmtouch.thermal.tables.values import REFERENCE, ContactPreset, Material, Part
 
 SHIPPED: Final = ("materials.yaml", "parts.yaml", "contacts.yaml")
 T = TypeVar("T", bound=BaseModel)
@@ -99,7 +99,7 @@ def part_of(name: str, row: PartRow, materials: Mapping[str, Material]) -> Part:
         volume=row.volume,
         mass=row.mass,
         resistance=row.resistance,
-        resistance_at=298.15 if row.resistance_at is None else row.resistance_at,
+        resistance_at=REFERENCE if row.resistance_at is None else row.resistance_at,
         B=row.B,
         B_between=row.B_between,
         coefficient=row.coefficient,

@@ -5,8 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Final
 
 from firmtouch.thermal.tables.rows import Held
+
+REFERENCE: Final = 298.15
+"""Where a resistance is told, in K, if nothing else is said."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +87,7 @@ class Part:
     volume: float | None = None
     mass: float | None = None
     resistance: tuple[float, float] | None = None
-    resistance_at: float = 298.15
+    resistance_at: float = REFERENCE
     B: tuple[float, float] | None = None
     B_between: tuple[float, float] | None = None
     coefficient: float | None = None

@@ -41,20 +41,20 @@ class TestMaterials:
     @pytest.mark.parametrize("name", PUBLISHED)
     def test_diffusivity_and_effusivity_are_the_published_ones(self, name):
         alpha, e = PUBLISHED[name]
-        assert MATERIALS[name].e == pytest.approx(e, abs=0.5)  # given as whole numbers
+        assert MATERIALS[name].effusivity == pytest.approx(e, abs=0.5)  # given as whole numbers
         assert MATERIALS[name].alpha == pytest.approx(
             alpha, rel=0.03
         )  # two digits: half of the last one is 3 % of 1.7e-7
 
     @pytest.mark.parametrize("each", MATERIALS.values(), ids=lambda each: each.name)
     def test_alpha_e_and_k_belong_together(self, each):
-        assert each.e * math.sqrt(each.alpha) == pytest.approx(each.k, rel=1e-14)
-        assert each.rho_c * each.alpha == pytest.approx(each.k, rel=1e-14)
+        assert each.effusivity * math.sqrt(each.alpha) == pytest.approx(each.conductivity, rel=1e-14)
+        assert each.volumetric_capacity * each.alpha == pytest.approx(each.conductivity, rel=1e-14)
 
     def test_the_range_of_objects_is_three_decades_around_skin(self):
-        ends = MATERIALS["eps_foam"].e, MATERIALS["copper"].e
+        ends = MATERIALS["eps_foam"].effusivity, MATERIALS["copper"].effusivity
         assert math.log10(ends[1] / ends[0]) == pytest.approx(3.00, abs=0.005)
-        assert math.sqrt(ends[0] * ends[1]) == pytest.approx(MATERIALS["skin"].e, rel=0.01)
+        assert math.sqrt(ends[0] * ends[1]) == pytest.approx(MATERIALS["skin"].effusivity, rel=0.01)
 
 
 @pytest.mark.parametrize("table", ["materials", "parts", "contacts"])
@@ -136,7 +136,7 @@ class TestCapacities:
     @pytest.mark.parametrize(("factor", "doubted"), [(1.99, False), (2.01, True), (0.51, False), (0.49, True)])
     def test_a_factor_of_two_is_the_limit(self, factor, doubted):
         body = MATERIALS["alumina"]
-        found = heat_capacity(body, published=factor * 2e-6 * body.c, mass=2e-6)
+        found = heat_capacity(body, published=factor * 2e-6 * body.heat_capacity, mass=2e-6)
         assert bool(found.warning) == doubted
 
     def test_volumes_of_a_bead_a_rod_and_a_box(self):
@@ -168,7 +168,7 @@ class TestRowsOfAFile:
         (tmp_path / "one.yaml").write_text(f"materials: {{my_gel: {GEL}}}}}\n")
         (tmp_path / "two.yaml").write_text(f"parts: {{chip: {{{CHIP}, mass: 1 mg, body: my_gel}}}}\n")
         found = read_catalogue(tmp_path / "one.yaml", tmp_path / "two.yaml")
-        assert found.materials["my_gel"].e == pytest.approx(math.sqrt(0.2 * 1000 * 2000))
+        assert found.materials["my_gel"].effusivity == pytest.approx(math.sqrt(0.2 * 1000 * 2000))
         assert found.parts["chip"].capacity.value == pytest.approx(2e-3)
         assert {**found.materials} == {**MATERIALS, "my_gel": found.materials["my_gel"]}
         assert "my_gel" not in read_catalogue().materials
@@ -180,7 +180,7 @@ class TestRowsOfAFile:
     def test_one_takes_the_place_of_another_only_on_purpose(self):
         found = added(f"materials: {{pdms: {GEL}, overrides: true}}}}\n")
         assert found.materials["pdms"] == replace(
-            MATERIALS["pdms"], title="pdms", k=0.2, rho=1000, c=2000, source="measured"
+            MATERIALS["pdms"], title="pdms", conductivity=0.2, density=1000, heat_capacity=2000, source="measured"
         )
 
     def test_a_file_that_does_not_exist(self, tmp_path):

@@ -32,7 +32,7 @@ backing: {half_space: pdms}
 contact: wet
 objects: [copper, {material: glass, thickness: 3 mm}, {material: glass, name: block}]
 temperatures: {object: 295.15 K, sensor: 36 degC}
-drive: {mode: constant_temperature, loop_gain: 50 kW/m^2/K, sensor_lag: 0.2 ms}
+drive: {mode: constant_temperature, loop_gain: 50 kW/m^2/K, integral_gain: 1e6 W/m^2/K/s, sensor_lag: 0.2 ms}
 pad: {radius: 0.5 mm, pitch: 2 mm, rows: 20, columns: 10}
 electronics: {bridge_voltage: 0.2 V, noise_density: 10 nV/sqrt(Hz), gain: 100, adc_bits: 16, adc_range: 2.5 V, sampling: 1 kHz}
 requirements:
@@ -154,7 +154,7 @@ class TestAGoodFile:
         rows = b"materials: {slate: {k: 2 W/m/K, rho: 2800, c: 800, tolerance: 0.2, source: x}}"
         more = parse_catalogue(rows, read_catalogue(), file="mine")
         found = parse_sensor(text.replace("pairs: [[copper", "pairs: [[slate").encode(), name="made", catalogue=more)
-        assert found.catalogue.materials["slate"].rho == 2800
+        assert found.catalogue.materials["slate"].density == 2800
 
 
 SMALL = """\
@@ -259,6 +259,7 @@ MISTAKES = {
     "pressure without roughness": (AT, f"contact: {{{MARK}pressure: 5 kPa}}", "`pressure` needs the `roughness` beside it"),
     "pressure and conductance": (AT, f"contact: {{{MARK}nominal: smooth, pressure: 5 kPa, roughness: 1 um}}", "give either conductances or a `pressure`"),
     "pressure of zero": (AT, f"contact: {{pressure: {MARK}0 Pa, roughness: 1 um}}", "a pressure of zero is no contact"),
+    "pressure as of a press": (AT, f"contact: {{pressure: {MARK}50 MPa, roughness: 1 um}}", "below a tenth of the hardness, 2.5e+07 Pa"),
     "two pressures": (AT, f"contact: {{pressure: {MARK}[1 kPa, 2 kPa], roughness: 1 um}}", "three pressures were expected"),
     "roughness alone": (AT, f"contact: {{nominal: smooth, {MARK}roughness: 1 um}}", "`roughness` needs a `pressure` beside it"),
     "no sensed plane": (LAYER, FOAM, "no plane is sensed; mark an entry with `sensed: true`"),

@@ -15,7 +15,7 @@ Mode = Literal["constant_power", "constant_temperature", "pulse", "two_temperatu
 MODES: Final = ("constant_power", "constant_temperature", "pulse", "two_temperature")
 USES: Final[dict[str, tuple[tuple[str, ...], tuple[str, ...]]]] = {
     "constant_power": ((), ("power", "flux")),
-    "constant_temperature": (("loop_gain",), ("sensor_lag", "delay")),
+    "constant_temperature": (("loop_gain",), ("integral_gain", "sensor_lag", "delay")),
     "pulse": ((), ("power", "flux", "duration")),
     "two_temperature": (("second",), ()),
 }
@@ -42,6 +42,9 @@ class DriveSpec(ShortSection):
     flux: Annotated[float, described(FLUX, "in W/m^2")] | None = Field(None, description="power by area of the heater")
     loop_gain: Annotated[float, described(LOOP_GAIN, "in W/m^2/K")] | None = Field(
         None, description="heater flux by deviation of the sensed temperature"
+    )
+    integral_gain: Annotated[float, amount("W/m^2/K/s", most=1e12, zero=None)] = Field(
+        0.0, description="heater flux by deviation and time; without it, the loop is proportional"
     )
     sensor_lag: Lag = Field(0.0, description="time constant of the temperature's reading")
     delay: Lag = Field(0.0, description="pure delay of the loop")

@@ -87,7 +87,7 @@ class PowerSpec(Section):
 def _effusivity(raw: object, info: ValidationInfo) -> float:
     if isinstance(raw, str) and raw[:1].isalpha():
         material = known_to(info).materials[read_material(raw, info)]
-        return 1.0 if material is None else material.e  # what is wrong with its row is told there
+        return 1.0 if material is None else material.effusivity  # what is wrong with its row is told there
     return EFFUSIVITY(raw)
 
 

@@ -15,7 +15,7 @@ from firmtouch.thermal.sensorfile.drive import DriveSpec, ElectronicsSpec, PadSp
 from firmtouch.thermal.sensorfile.requirements import WINDOW, RequirementsSpec
 from firmtouch.thermal.sensorfile.search import EntryChoice, SearchSpec
 from firmtouch.thermal.sensorfile.stack import BackingSpec, StackEntry
-from firmtouch.thermal.sensorfile.touch import ContactSpec, ObjectSpec, TemperaturesSpec
+from firmtouch.thermal.sensorfile.touch import LIGHT, ContactSpec, ObjectSpec, TemperaturesSpec
 from firmtouch.thermal.tables.rows import Known, RowsSpec, known_to
 
 MOST_ENTRIES: Final = 30
@@ -212,6 +212,10 @@ class SensorSpec(RowsSpec):
             if getattr(search.contact, wrong) is not None:
                 message = f"the file's `contact` is given by its {'pressure' if by_pressure else 'conductance'}"
                 yield Problem(message, path=("search", "contact", wrong), at_key=True)
+            pressure, heaviest = search.contact.pressure, LIGHT * self.contact.hardness
+            if pressure is not None and pressure[1] >= heaviest:
+                message = f"contacts are computed for pressures below a tenth of the hardness, {heaviest:g} Pa"
+                yield Problem(message, path=("search", "contact", "pressure", 1))
         if "discrimination" in (search.objective, *search.front) and self.requirements.discrimination is None:
             message = "to make discrimination best, say in `requirements: discrimination` of which pairs"
             yield Problem(message, path=("search", "objective"))

@@ -24,7 +24,7 @@ ELECTRICAL: Final = ("resistance", "B", "coefficient")
 
 
 @dataclass(frozen=True, slots=True)
-class Element:
+class SensingElement:
     """What is felt with: `resistance` in ohm at `at` in K, and either `B` in K or `coefficient` in 1/K."""
 
     resistance: float
@@ -114,7 +114,7 @@ class FilmSpec(Section):
             return self.capacity
         if self.material is not None:
             assert self.thickness is not None
-            return catalogue.materials[self.material].rho_c * self.thickness
+            return catalogue.materials[self.material].volumetric_capacity * self.thickness
         assert self.part is not None
         part = catalogue.parts[self.part]
         area = part.footprint if self.area is None else self.area
@@ -122,7 +122,7 @@ class FilmSpec(Section):
         assert area is not None
         return part.capacity.value / area
 
-    def element(self, part: Part | None) -> Element | None:
+    def element(self, part: Part | None) -> SensingElement | None:
         """Give what is felt with: the row's of a part, and the film's own where that tells none; else None."""
         resistance, at, B, coefficient = self.resistance, REFERENCE, self.B, self.coefficient
         if part is not None:
@@ -132,7 +132,7 @@ class FilmSpec(Section):
             coefficient = part.coefficient if coefficient is None else coefficient
         if resistance is None or (B is None and coefficient is None):
             return None
-        return Element(resistance, at, B, coefficient)
+        return SensingElement(resistance, at, B, coefficient)
 
 
 def _only(pair: tuple[float, float] | None) -> float | None:

@@ -14,6 +14,8 @@ from firmtouch.thermal.tables.rows import MaterialName, known_to
 
 PRESSURE: Final = reader("Pa", least=1, most=1e9, zero="a pressure of zero is no contact")
 ROUGHNESS: Final = reader("m", least=1e-9, most=1e-3)
+LIGHT: Final = 0.1
+"""Largest pressure of a contact, by the hardness, for which its spots deform as the formula says."""
 LEVELS: Final = ("low", "nominal", "high")
 
 
@@ -83,6 +85,9 @@ class ContactSpec(ShortSection):
     @model_validator(mode="after")
     def _one_way(self) -> ContactSpec:
         by_pressure = self.pressure is not None
+        if self.pressure is not None and self.pressure[-1] >= LIGHT * self.hardness:
+            message = f"contacts are computed for pressures below a tenth of the hardness, {LIGHT * self.hardness:g} Pa"
+            refuse(Problem(message, path=("pressure",)))
         for name in LEVELS:
             if by_pressure and getattr(self, name) is not None:
                 refuse(Problem("give either conductances or a `pressure`", path=(name,), at_key=True))

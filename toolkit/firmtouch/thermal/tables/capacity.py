@@ -5,14 +5,14 @@ from __future__ import annotations
 from typing import Final
 
 from firmtouch.thermal.tables.rows import Held
-from firmtouch.thermal.tables.values import HeatCapacity, Material, go_together
+from firmtouch.thermal.tables.values import HeatCapacity, TableMaterial, go_together
 
 LARGEST_FACTOR: Final = 2.0
 """Two ways to a capacity that differ by more than this are worth a warning."""
 
 
 def heat_capacity(
-    body: Material,
+    body: TableMaterial,
     *,
     published: float | None = None,
     delta: Held | None = None,
@@ -33,16 +33,16 @@ def heat_capacity(
         assert tau is not None
         ways["delta tau"] = delta.value * tau.value
     if mass is not None:
-        ways["mass"] = mass * body.c
+        ways["mass"] = mass * body.heat_capacity
     if volume is not None:
-        ways["volume"] = volume * body.rho_c
+        ways["volume"] = volume * body.volumetric_capacity
     if not ways:
         return None
     basis = next(iter(ways))
     return HeatCapacity(ways[basis], basis, ways, _doubt(ways, basis, body))
 
 
-def _doubt(ways: dict[str, float], basis: str, body: Material) -> str:
+def _doubt(ways: dict[str, float], basis: str, body: TableMaterial) -> str:
     """Hold the capacity against that of the body; a weighed mass tells more than a size."""
     held = next((each for each in ("mass", "volume") if each in ways), basis)
     factor = max(ways[basis] / ways[held], ways[held] / ways[basis])

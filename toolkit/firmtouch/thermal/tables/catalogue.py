@@ -25,7 +25,7 @@ from firmtouch.thermal.tables.rows import (
     PartRow,
     RowsSpec,
 )
-from firmtouch.thermal.tables.values import REFERENCE, ContactPreset, Material, Part
+from firmtouch.thermal.tables.values import REFERENCE, ContactPreset, Part, TableMaterial
 
 SHIPPED: Final = ("materials.yaml", "parts.yaml", "contacts.yaml")
 T = TypeVar("T", bound=BaseModel)
@@ -35,7 +35,7 @@ T = TypeVar("T", bound=BaseModel)
 class Catalogue:
     """Materials, parts and contacts by name."""
 
-    materials: Mapping[str, Material] = field(default_factory=dict)
+    materials: Mapping[str, TableMaterial] = field(default_factory=dict)
     parts: Mapping[str, Part] = field(default_factory=dict)
     contacts: Mapping[str, ContactPreset] = field(default_factory=dict)
 
@@ -50,7 +50,7 @@ class Catalogue:
         """Give the names that a file may use: these rows and its own, found in a first and lenient reading."""
         before = {table: frozenset(getattr(self, table)) for table in TABLES}
         rows = {table: data[table] if isinstance(data.get(table), dict) else {} for table in TABLES}
-        materials: dict[str, Material | None] = {**self.materials}
+        materials: dict[str, TableMaterial | None] = {**self.materials}
         for name, raw in rows["materials"].items():
             row = _leniently(MaterialRow, raw, Known())
             materials[name] = None if row is None else material_of(name, row)
@@ -76,9 +76,9 @@ def _leniently(row: type[T], raw: object, known: Known) -> T | None:
         return None
 
 
-def material_of(name: str, row: MaterialRow) -> Material:
+def material_of(name: str, row: MaterialRow) -> TableMaterial:
     """Make a material of its row."""
-    return Material(name, row.title or name, row.k, row.rho, row.c, row.tolerance, row.source)
+    return TableMaterial(name, row.k, row.rho, row.c, row.title or name, row.tolerance, row.source)
 
 
 def contact_of(name: str, row: ContactRow) -> ContactPreset:
@@ -86,7 +86,7 @@ def contact_of(name: str, row: ContactRow) -> ContactPreset:
     return ContactPreset(name, row.title or name, row.conductance, row.low, row.high, row.tolerance, row.source)
 
 
-def part_of(name: str, row: PartRow, materials: Mapping[str, Material]) -> Part:
+def part_of(name: str, row: PartRow, materials: Mapping[str, TableMaterial]) -> Part:
     """Make a part of its row, with its heat capacity where that can be found."""
     return Part(
         name=name,

@@ -30,7 +30,7 @@ from firmtouch.thermal.fields import (
 )
 
 if TYPE_CHECKING:
-    from firmtouch.thermal.tables.values import ContactPreset, Material, Part
+    from firmtouch.thermal.tables.values import ContactPreset, Part, TableMaterial
 
 BODY: Final = "ntc_oxide"
 """What a part is made of, where its row does not say."""
@@ -43,7 +43,7 @@ class Known:
     A row of its own that cannot be used is None; what is wrong with it is told where it stands.
     """
 
-    materials: Mapping[str, Material | None] = field(default_factory=dict)
+    materials: Mapping[str, TableMaterial | None] = field(default_factory=dict)
     parts: Mapping[str, Part | None] = field(default_factory=dict)
     contacts: Mapping[str, ContactPreset | None] = field(default_factory=dict)
     before: Mapping[str, frozenset[str]] = field(default_factory=dict)

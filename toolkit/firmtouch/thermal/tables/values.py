@@ -14,31 +14,34 @@ REFERENCE: Final = 298.15
 
 
 @dataclass(frozen=True, slots=True)
-class Material:
-    """A material at about 300 K: `k` in W/(m K), `rho` in kg/m^3, `c` in J/(kg K), each within +- `tolerance` of it."""
+class TableMaterial:
+    """A material at about 300 K: conductivity k in W/(m K), density rho in kg/m^3, heat capacity c in J/(kg K).
+
+    Those of a real piece are expected within +- `tolerance`, relative to each.
+    """
 
     name: str
+    conductivity: float
+    density: float
+    heat_capacity: float
     title: str
-    k: float
-    rho: float
-    c: float
     tolerance: float
     source: str
 
     @property
-    def rho_c(self) -> float:
-        """Heat capacity of a volume, rho c, in J/(m^3 K)."""
-        return self.rho * self.c
+    def volumetric_capacity(self) -> float:
+        """Give rho c, in J/(m^3 K)."""
+        return self.density * self.heat_capacity
 
     @property
     def alpha(self) -> float:
-        """Diffusivity k/(rho c), in m^2/s."""
-        return self.k / self.rho_c
+        """Give the diffusivity k/(rho c), in m^2/s."""
+        return self.conductivity / self.volumetric_capacity
 
     @property
-    def e(self) -> float:
-        """Effusivity sqrt(k rho c), in W s^(1/2)/(m^2 K)."""
-        return math.sqrt(self.k * self.rho_c)
+    def effusivity(self) -> float:
+        """Give e = sqrt(k rho c), in W s^(1/2)/(m^2 K)."""
+        return math.sqrt(self.conductivity * self.volumetric_capacity)
 
 
 @dataclass(frozen=True, slots=True)

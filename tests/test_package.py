@@ -22,6 +22,8 @@ PARTS = (
     "oracle",
     "report",
     "simulation",
+    "thermal.sensorfile",
+    "thermal.tables",
 )
 HEAVY = (
     "casadi",

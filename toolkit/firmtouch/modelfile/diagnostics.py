@@ -9,7 +9,6 @@ from pydantic import BaseModel, Tag, ValidationError
 from pydantic_core import ErrorDetails
 
 from firmtouch.errors import Diagnostic, ModelFileError
-from firmtouch.modelfile.declarations import Declarations
 from firmtouch.modelfile.expression import Problem
 from firmtouch.modelfile.fields import problems_of
 from firmtouch.modelfile.words import listed, shown
@@ -32,8 +31,8 @@ PAIRS: Final = {
 T = TypeVar("T", bound=BaseModel)
 
 
-def validated(document: Document, root: type[T], known: Declarations) -> T:
-    """Read a document as what it should be; `known` are the names that its entries may use.
+def validated(document: Document, root: type[T], known: object) -> T:
+    """Read a document as what it should be; `known` are the names that its entries may use, as its fields expect them.
 
     Raises
     ------
@@ -75,6 +74,8 @@ def _diagnostics(errors: list[ErrorDetails], document: Document, root: type[Base
 def _located(details: ErrorDetails, document: Document, root: type[BaseModel]) -> Iterator[tuple[int, int, Problem]]:
     if details["loc"][:1] == ("coordinates",) and len(details["loc"]) > 1 and ("coordinates",) not in document.values:
         return  # a robot's joints are not written here; what their names meet is told where that is
+    if details["type"] == "too_short" and len(details["input"]) >= details["ctx"]["min_length"]:
+        return  # there are enough entries; those that could not be read are told themselves
     problems = problems_of(details.get("ctx"))
     location = _location(details["loc"], ours=bool(problems))
     for problem in problems or (_own_words(details, location, root),):

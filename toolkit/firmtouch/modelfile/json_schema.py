@@ -12,17 +12,18 @@ from firmtouch.modelfile.specification import ModelSpec
 
 def model_schema() -> dict[str, Any]:
     """Give the JSON Schema (draft 2020-12) of a model file."""
-    schema = _schema(ModelSpec, "firmtouch model file")
+    schema = schema_of(ModelSpec, "firmtouch model file")
     schema["required"].remove("coordinates")  # a robot's joints are the coordinates
     return schema
 
 
 def scenario_schema() -> dict[str, Any]:
     """Give that of a scenario file, for whatever model."""
-    return _schema(ScenarioFileSpec, "firmtouch scenario file")
+    return schema_of(ScenarioFileSpec, "firmtouch scenario file")
 
 
-def _schema(root: type[BaseModel], title: str) -> dict[str, Any]:
+def schema_of(root: type[BaseModel], title: str) -> dict[str, Any]:
+    """Give the JSON Schema of a file whose root this is."""
     schema = _closed(root.model_json_schema(by_alias=True))
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "title": title}
 

@@ -24,6 +24,9 @@ _FACTOR: Final = re.compile(
     r"(?:\s*(?P<sign>[*/·])\s*|\s+|^)(?P<name>[A-Za-z_µμΩ°%]+|1)(?:(?:\^|\*\*)?(?P<power>-?[0-9]+))?"
 )
 _NUMBER: Final = re.compile(r"\s*[-+]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
+_MECHANICS: Final = ("N", "J", "W", "N/m", "m/s^2", "m/s", "kg*m^2", "1/s")
+_HEAT: Final = ("W/m/K", "W/m^2/K", "W/m^2", "W/K", "J/K", "J/kg/K", "J/m^2/K", "V", "ohm")
+"""Units of derived quantities, by which messages name dimensions."""
 LONGEST_UNIT: Final = 60
 HIGHEST_POWER: Final = 12
 Exponent = Fraction | int
@@ -173,4 +176,4 @@ def _near(name: str) -> str:
 
 @cache
 def _named() -> dict[Dimension, str]:
-    return {parse_unit(text).dimension: text for text in ("N", "J", "W", "N/m", "m/s^2", "m/s", "kg*m^2", "1/s")}
+    return {parse_unit(text).dimension: text for text in (*_MECHANICS, *_HEAT)}

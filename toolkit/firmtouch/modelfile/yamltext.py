@@ -46,8 +46,15 @@ BLOCKS: Final = ("|", ">")
 EMPTY: Final = {
     "model": "the file is empty; `firmtouch new NAME` writes one to start from",
     "scenario": "the file is empty; scenarios stand under `scenarios:`, each under its name",
+    "sensor": "the file is empty; a sensor's layers stand under `stack:`, from the touched face inward",
+    "catalogue": "the file is empty; rows stand under `materials:`, `parts:` and `contacts:`, each under its name",
 }
-ROOT: Final = {"model": "`title:`, `coordinates:`, `mechanism:` and so on", "scenario": "`schema:` and `scenarios:`"}
+ROOT: Final = {
+    "model": "`title:`, `coordinates:`, `mechanism:` and so on",
+    "scenario": "`schema:` and `scenarios:`",
+    "sensor": "`title:`, `stack:`, `objects:` and so on",
+    "catalogue": "`schema:`, `materials:`, `parts:` and `contacts:`",
+}
 """What a file of each sort is a mapping of."""
 MOST_ENTRIES: Final = 5000
 """Ten times what the largest mechanism needs; each entry costs ruamel about 0.1 ms."""

@@ -100,7 +100,7 @@ def euler(F: Transfer, t: ArrayLike, *, order: int = EULER_ORDER) -> Array:
 
 
 def invert(F: Transfer, t: ArrayLike, *, method: Inversion = Inversion.TALBOT, tolerance: float = 1e-6) -> Array:
-    """Invert F at the times t > 0, and compute some of them again at another order.
+    """Invert F at the times t > 0, and compute some of them again at a higher order.
 
     Raises
     ------
@@ -114,7 +114,7 @@ def invert(F: Transfer, t: ArrayLike, *, method: Inversion = Inversion.TALBOT, t
     if not found.size:
         return found
     chosen = np.unique(np.linspace(0, found.size - 1, CHECKED).astype(int))
-    again = way(F, require_times(t).ravel()[chosen], order=order - 4)
+    again = way(F, require_times(t).ravel()[chosen], order=order + 4)
     error = float(np.abs(found.ravel()[chosen] - again).max() / max(np.abs(found).max(), np.finfo(float).tiny))
     if not error <= tolerance:
         raise InversionError(method, error, tolerance)

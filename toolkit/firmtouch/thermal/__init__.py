@@ -14,8 +14,10 @@ from firmtouch.thermal.contact_event import (
 from firmtouch.thermal.inversion import Inversion, InversionError, euler, invert, step, talbot
 from firmtouch.thermal.loop import (
     Loop,
+    LoopRingsError,
     LoopUnstableError,
     loop_transfer,
+    oscillating_poles,
     power_response,
     power_transfer,
     temperature_response,
@@ -79,6 +81,7 @@ __all__ = [
     "InversionError",
     "Layer",
     "Loop",
+    "LoopRingsError",
     "LoopUnstableError",
     "Material",
     "Metric",
@@ -112,6 +115,7 @@ __all__ = [
     "object_crosstalk",
     "object_impedance",
     "object_temperature",
+    "oscillating_poles",
     "power_response",
     "power_transfer",
     "pulse_response",

@@ -4,7 +4,8 @@
 axis, and 24 points give 12 digits over any span of time. Poles far from that axis fall outside of its contour.
 `euler` is for closed loops: it sums along a vertical line and needs only that all singularities are left of it; 16
 terms give some 10 digits. It averages an alternating series, so it loses them where the response has turned round more
-than some 5 times (omega t > 30), and it smears the corners that a dead time makes.
+than some 5 times (omega t > 30), and it rounds the corners that a dead time makes. What turns faster than 100/t lies
+beyond its last term, so that no order of it can see it.
 
 Both are unchecked and fast. `invert` checks the chosen one against itself at another order and refuses what it cannot.
 """
@@ -105,7 +106,7 @@ def invert(F: Transfer, t: ArrayLike, *, method: Inversion = Inversion.TALBOT, t
     Raises
     ------
     InversionError
-        If both orders differ by more than `tolerance` times the largest value.
+        If both orders differ by more than `tolerance` times the largest value of those asked for.
     ThermalValueError
         If a time is not positive.
     """

@@ -7,18 +7,34 @@ object disturbs the sensed plane by T_c(s) dV, so the heater gives p = -K F T_c 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from firmtouch.errors import NoDesignError
-from firmtouch.thermal.arrays import Array, Complex, ThermalValueError, require_positive
+from firmtouch.thermal.arrays import Array, Complex, ThermalValueError, Transfer, require_positive, require_times
 from firmtouch.thermal.inversion import Inversion, invert
 from firmtouch.thermal.quadrupole import contact_transfer, heater_transfer
 from firmtouch.thermal.stack import Front, Stack, Touch
 
-ACCURATE = 1e-6
-"""What two orders of Euler's method may differ by, of the largest value."""
+ACCURATE, ACCURATE_WITH_DEAD_TIME = 1e-6, 1e-4
+"""What two orders of Euler's method may differ by, of the largest value; a dead time makes corners, which it rounds."""
+FOLLOWED = 30.0
+"""The omega t up to which Euler's method follows an oscillation; beyond, its orders agree and are both wrong."""
+DIP, CONVERGED = 0.95, 1e-9
+"""Of |1 + L|: what rings has it well below 1; and of Newton's last step, of the pole."""
+
+
+class LoopRingsError(NoDesignError):
+    """A loop still rings where no inversion can follow; `pole` (1/s) is the one that does."""
+
+    def __init__(self, pole: complex, t: float) -> None:
+        self.pole, self.t = pole, t
+        super().__init__(
+            f"the loop still rings at {t:g} s, {pole.imag * t / 6.2832:.0f} turns after contact (its pole is at "
+            f"{pole.real:.4g} +- {pole.imag:.4g}i 1/s): lower its gain, or ask for shorter times"
+        )
 
 
 class LoopUnstableError(NoDesignError):
@@ -78,6 +94,7 @@ def temperature_transfer(stack: Stack, touch: Touch, loop: Loop, s: ArrayLike) -
     return np.asarray(contact_transfer(stack, touch, s).sensed / (1 + loop_transfer(stack, touch, loop, s)))
 
 
+@lru_cache(maxsize=256)  # rise times ask for one loop again and again
 def unstable_poles(stack: Stack, front: Front, loop: Loop) -> int:
     """Count the closed loop's poles of positive real part: the turns of 1 + L about 0 (Nyquist), L being stable.
 
@@ -109,18 +126,64 @@ def require_stable(stack: Stack, front: Front, loop: Loop) -> None:
         raise LoopUnstableError(poles)
 
 
+@lru_cache(maxsize=256)
+def oscillating_poles(stack: Stack, front: Front, loop: Loop) -> tuple[complex, ...]:
+    """Give the closed loop's poles near the imaginary axis, those with Im > 0, the least damped first.
+
+    They are Newton's method on 1 + L from the minima of |1 + L| along the axis; a well damped loop has none.
+    """
+
+    def characteristic(s: Complex) -> Complex:
+        return np.asarray(1 + loop_transfer(stack, front, loop, s))
+
+    axis = 1j * np.geomspace(1e-2, 1e8, 1501)
+    size = np.abs(characteristic(axis))
+    dips = (size[1:-1] < size[:-2]) & (size[1:-1] < size[2:]) & (size[1:-1] < DIP)
+    least = np.flatnonzero(dips) + 1
+    p = axis[least]
+    for _ in range(12):
+        h = 1e-5 * np.abs(p)
+        move = 2 * h * characteristic(p) / (characteristic(p + h) - characteristic(p - h))
+        p = p - move
+        left = (p.real < -np.abs(p.imag)) | (p.imag <= 0) | (-p.real * loop.dead_time > 50)  # e^50: gone at once
+        p = np.where(left, axis[least], p)
+    found = p[np.abs(move) < CONVERGED * np.abs(p)]
+    return tuple(complex(each) for each in found[np.argsort(-found.real / np.abs(found))])
+
+
+def _invert_loop(stack: Stack, touch: Touch, loop: Loop, transform: Transfer, t: Array) -> Array:
+    """Invert by Euler's method, after all refusals."""
+    require_stable(stack, touch, loop)
+    for pole in oscillating_poles(stack, touch, loop):
+        rings = (pole.imag * t > FOLLOWED) & (np.exp(np.minimum(0, pole.real * t)) > ACCURATE_WITH_DEAD_TIME)
+        if rings.any():
+            raise LoopRingsError(pole, float(t[rings].min()))
+    tolerance = ACCURATE_WITH_DEAD_TIME if loop.dead_time else ACCURATE
+    return invert(transform, t, method=Inversion.EULER, tolerance=tolerance)
+
+
 def power_response(stack: Stack, touch: Touch, loop: Loop, t: ArrayLike) -> Array:
     """Give the heater's p'' (W/m2) per kelvin of T_o - T_s at the times t (s) after contact, by Euler's method.
+
+    Until the dead time has passed it is zero, and only what follows is inverted.
 
     Raises
     ------
     LoopUnstableError
         If the loop with the object is unstable.
-    InversionError
+    LoopRingsError, InversionError
         If it oscillates longer than Euler's method can follow.
     """
-    require_stable(stack, touch, loop)
-    return invert(lambda s: power_transfer(stack, touch, loop, s) / s, t, method=Inversion.EULER, tolerance=ACCURATE)
+    times = require_times(t)
+    found = np.zeros_like(times)
+    after = times > loop.dead_time
+
+    def transform(s: Complex) -> Complex:
+        return np.asarray(power_transfer(stack, touch, loop, s) * np.exp(s * loop.dead_time) / s)
+
+    if after.any():
+        found[after] = _invert_loop(stack, touch, loop, transform, times[after] - loop.dead_time)
+    return found
 
 
 def temperature_response(stack: Stack, touch: Touch, loop: Loop, t: ArrayLike) -> Array:
@@ -130,10 +193,11 @@ def temperature_response(stack: Stack, touch: Touch, loop: Loop, t: ArrayLike) -
     ------
     LoopUnstableError
         If the loop with the object is unstable.
-    InversionError
+    LoopRingsError, InversionError
         If it oscillates longer than Euler's method can follow.
     """
-    require_stable(stack, touch, loop)
-    return invert(
-        lambda s: temperature_transfer(stack, touch, loop, s) / s, t, method=Inversion.EULER, tolerance=ACCURATE
-    )
+
+    def transform(s: Complex) -> Complex:
+        return np.asarray(temperature_transfer(stack, touch, loop, s) / s)
+
+    return _invert_loop(stack, touch, loop, transform, require_times(t))

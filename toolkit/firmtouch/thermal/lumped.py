@@ -185,7 +185,7 @@ class ConstantTemperature:
         return self._step(t, zero=self.sensor_lag)
 
     def response(self, t: ArrayLike) -> Array:
-        """Give the closed loop's own step response 1 - ..., which goes to 1: what the power does, of its change."""
+        """Give what the heater's power does after a step of w, of its final change: it goes from 0 to 1."""
         return self._step(t, zero=0.0) * (self.G + self.K)
 
     def _step(self, t: ArrayLike, *, zero: float) -> Array:

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     import control
 
 PER_DECADE = 3.0
+FASTEST = 0.3
+"""Of the earliest time: what rose before it needs a pole too, or the first times err ten times as much."""
 SAMPLES_PER_DECADE, CHECKS_PER_DECADE = 40, 61
 """Fitted times, and those between them at which the error is measured."""
 
@@ -88,8 +90,9 @@ def reduce_step(
         raise ThermalValueError("window", window, f"after the earliest time, {earliest:g}")
     if per_decade < 1:
         raise ThermalValueError("poles per decade", per_decade, "at least 1")
-    count = math.ceil(per_decade * math.log10(window / earliest)) + 1
-    poles = -1 / np.geomspace(window, earliest, count)
+    fastest = FASTEST * earliest
+    count = math.ceil(per_decade * math.log10(window / fastest)) + 1
+    poles = -1 / np.geomspace(window, fastest, count)
     t = _times(earliest, window, SAMPLES_PER_DECADE)
     columns, values = _basis(t, poles), step(t)
     if feedthrough:

@@ -26,7 +26,9 @@ def finite_volumes(stack, touched, h):
     """Integrate object | contact | layers | base, all of the object at 14 K, all of the finger at 0."""
     depth = 6 * np.sqrt(touched.alpha * TIMES[-1])  # erfc(3) = 2e-5 of what happens at the face
     size, k, c = (each[::-1] for each in cells_of(touched, depth, 160, towards=9.0))
-    inside = [cells_of(each.material, each.thickness, n) for each, n in zip(stack.elements, (25, 50, 100), strict=True)]
+    cover, substrate, foam = stack.elements
+    inside = [cells_of(cover.material, cover.thickness, 25), cells_of(substrate.material, substrate.thickness, 50)]
+    inside.append(cells_of(foam.material, foam.thickness, 100, towards=4.0))
     n_object, n_sensed = size.size, size.size + 25
     size, k, c = (np.concatenate([a, *b]) for a, b in zip((size, k, c), zip(*inside, strict=True), strict=True))
     half = size / k / 2

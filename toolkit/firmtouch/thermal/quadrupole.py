@@ -12,10 +12,12 @@ hold at s = 0 too, which is the steady state. Temperatures are deviations from t
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import reduce
 from operator import mul
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -53,41 +55,44 @@ class Port:
             return np.where(self.v == 0, np.inf, self.u / self.v)
 
 
-def _layer_line(layer: Layer, s: Complex) -> tuple[Complex, Complex]:
-    """Give R = (L/k) tanh(x)/x and Y = s rho c L tanh(x)/x."""
-    x: Complex = layer.thickness * np.sqrt(s / layer.material.alpha)
-    w: Complex = np.expm1(-x)
-    loss: Complex = w * (2 + w)  # e^{-2x} - 1, to full accuracy for thin layers
-    rest = x == 0
-    ratio: Complex = np.where(rest, 1, -loss / ((2 + loss) * np.where(rest, 1, x)))
-    R: Complex = layer.thickness / layer.material.conductivity * ratio
-    return R, s * (layer.material.volumetric_capacity * layer.thickness) * ratio
+class _Line(NamedTuple):
+    """What an element does to a port, after division by cosh x; `x` is 0 of what has no depth."""
+
+    R: Complex | float
+    Y: Complex | float
+    x: Complex | float
 
 
-def _line(element: Element, s: Complex) -> tuple[Complex | float, Complex | float]:
+def _line(element: Element, s: Complex) -> _Line:
     match element:
-        case Layer():
-            return _layer_line(element, s)
         case Film(areal_capacity=C):
-            return 0.0, s * C
+            return _Line(0.0, s * C, 0.0)
         case Contact(conductance=h):
-            return 1 / h, 0.0
+            return _Line(1 / h, 0.0, 0.0)
+        case Layer(material=material, thickness=L):
+            # R = (L/k) tanh(x)/x and Y = s rho c L tanh(x)/x
+            root: Complex = np.sqrt(s)
+            x: Complex = L / math.sqrt(material.alpha) * root
+            w: Complex = np.expm1(-x)
+            loss: Complex = w * (2 + w)  # e^{-2x} - 1, to full accuracy for thin layers
+            rest = x == 0
+            ratio: Complex = np.where(rest, 1, -loss / ((2 + loss) * np.where(rest, 1, x)))
+            return _Line(L / material.conductivity * ratio, s * (material.volumetric_capacity * L) * ratio, x)
 
 
-def _attenuation(element: Element, s: Complex) -> Complex | float:
-    """Give 1/cosh x."""
-    if not isinstance(element, Layer):
+def _attenuation(x: Complex | float) -> Complex | float:
+    """Give 1/cosh x, with all digits of what is small."""
+    if isinstance(x, float):
         return 1.0
-    decay: Complex = np.exp(-element.thickness * np.sqrt(s / element.material.alpha))
+    decay: Complex = np.exp(-x)
     return np.asarray(2 * decay / (1 + decay * decay))
 
 
-def _through(element: Element, port: Port, s: Complex) -> Port:
+def _through(line: _Line, port: Port) -> Port:
     """See a port through an element."""
-    R, Y = _line(element, s)
-    u, v = port.u + R * port.v, port.v + Y * port.u
-    scale = np.abs(u) + np.abs(v)  # only u/v matters, and many layers would overflow
-    return Port(u / scale, v / scale)
+    u, v = port.u + line.R * port.v, port.v + line.Y * port.u
+    scale = 1 / (np.abs(u) + np.abs(v))  # only u/v matters, and many layers would overflow
+    return Port(u * scale, v * scale)
 
 
 def port_of(end: Front | TouchedObject, s: ArrayLike) -> Port:
@@ -108,39 +113,42 @@ def port_of(end: Front | TouchedObject, s: ArrayLike) -> Port:
         case Disc(material=material, radius=a):
             return Port(one, material.effusivity * root + 4 * material.conductivity / (np.pi * a))
         case Slab(material=material, thickness=L):
-            return _through(Layer(material, L), Port(one, zero), s)
+            return _through(_line(Layer(material, L), s), Port(one, zero))
         case Touch(object=touched, conductance=h):
-            return _through(Contact(h), port_of(touched, s), s)
+            return _through(_line(Contact(h), s), port_of(touched, s))
 
 
-def _ports(elements: Sequence[Element], end: Port, s: Complex) -> list[Port]:
-    """Give what each plane sees of what is behind it, the first plane first."""
-    found = [end]
-    for element in reversed(elements):
-        found.append(_through(element, found[-1], s))
-    return found[::-1]
+@dataclass(frozen=True, slots=True, eq=False)
+class _Way:
+    """Elements from a plane towards an end; `ports[i]` is what plane i sees of what is behind it."""
+
+    lines: tuple[_Line, ...]
+    ports: tuple[Port, ...]
+
+    def passed(self, planes: int) -> Complex | float:
+        """Give theta at a plane per theta at the first: the product of u2 / ((u2 + R v2) cosh x)."""
+
+        def ratio(line: _Line, port: Port) -> Complex | float:
+            if isinstance(line.R, float) and not line.R:
+                return 1.0
+            return _attenuation(line.x) * port.u / (port.u + line.R * port.v)
+
+        first: Complex | float = 1.0
+        return reduce(mul, map(ratio, self.lines[:planes], self.ports[1 : planes + 1]), first)
 
 
-def _passed(elements: Sequence[Element], ports: Sequence[Port], planes: int, s: Complex) -> Complex | float:
-    """Give theta_planes / theta_0 along the ports' way: the product of u2 / ((u2 + R v2) cosh x)."""
-
-    def ratio(element: Element, port: Port) -> Complex | float:
-        if isinstance(element, Film):
-            return 1.0
-        R, _ = _line(element, s)
-        before = port.u + R * port.v
-        held = before == 0  # a perfect contact with a base
-        passed: Complex = np.where(held, 0, port.u / np.where(held, 1, before))
-        return _attenuation(element, s) * passed
-
-    first: Complex | float = 1.0
-    return reduce(mul, map(ratio, elements[:planes], ports[1 : planes + 1]), first)
+def _way(elements: Sequence[Element], end: Port, s: Complex) -> _Way:
+    lines = tuple(_line(each, s) for each in elements)
+    ports = [end]
+    for line in reversed(lines):
+        ports.append(_through(line, ports[-1]))
+    return _Way(lines, tuple(reversed(ports)))
 
 
 def input_impedance(stack: Stack, s: ArrayLike) -> Complex:
     """Give Z_s (m2K/W) that an object sees at the touched face."""
     s = np.asarray(s, dtype=np.complex128)
-    return _ports(stack.elements, port_of(stack.backing, s), s)[0].impedance
+    return _way(stack.elements, port_of(stack.backing, s), s).ports[0].impedance
 
 
 def object_impedance(touched: TouchedObject, s: ArrayLike) -> Complex:
@@ -173,12 +181,12 @@ def contact_transfer(stack: Stack, touch: Touch, s: ArrayLike, *, plane: int | N
     s = np.asarray(s, dtype=np.complex128)
     plane = stack.sensed if plane is None else plane
     stack.check_plane(plane)
-    ports = _ports(stack.elements, port_of(stack.backing, s), s)
-    back, touched = ports[0], port_of(touch.object, s)
+    way = _way(stack.elements, port_of(stack.backing, s), s)
+    back, touched = way.ports[0], port_of(touch.object, s)
     whole = back.u * touched.v + back.v * (touched.v / touch.conductance + touched.u)
     face = back.u * touched.v / whole
     return ContactTransfer(
-        sensed=face * _passed(stack.elements, ports, plane, s),
+        sensed=face * way.passed(plane),
         face=face,
         object_face=-back.v * touched.u / whole,
         flux=back.v * touched.v / whole,
@@ -202,14 +210,13 @@ def heater_transfer(
     plane = stack.sensed if plane is None else plane
     stack.check_plane(heater, "heater's plane")
     stack.check_plane(plane)
-    inward, outward = stack.elements[heater:], stack.elements[:heater][::-1]
-    behind = _ports(inward, port_of(stack.backing, s), s)
-    before = _ports(outward, port_of(front, s), s)
-    f, b = before[0], behind[0]
+    behind = _way(stack.elements[heater:], port_of(stack.backing, s), s)
+    before = _way(stack.elements[:heater][::-1], port_of(front, s), s)
+    f, b = before.ports[0], behind.ports[0]
     both = f.u * b.u / (f.u * b.v + f.v * b.u)
     if plane >= heater:
-        return np.asarray(both * _passed(inward, behind, plane - heater, s))
-    return np.asarray(both * _passed(outward, before, heater - plane, s))
+        return np.asarray(both * behind.passed(plane - heater))
+    return np.asarray(both * before.passed(heater - plane))
 
 
 def frequency_response(transfer: Complex) -> tuple[Array, Array]:

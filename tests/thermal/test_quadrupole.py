@@ -35,6 +35,8 @@ from firmtouch.thermal import (
 ROUNDING = 1e-11
 """Some tens of operations in each of tens of elements, on numbers that nearly cancel by three digits."""
 T = np.logspace(-5, 0, 11)
+EXAMPLES = 40
+"""A good half of a second for all; each tests some tens of s."""
 ALONG_AXIS = 1j * np.logspace(-3, 8, 60)
 
 
@@ -63,6 +65,7 @@ def stacks(draw, elements=ELEMENTS, backings=BACKINGS):
     return Stack(drawn, sensed=draw(st.integers(0, len(drawn))), backing=draw(backings))
 
 
+@settings(max_examples=EXAMPLES)
 @given(stacks(), TOUCHES)
 def test_passive_on_the_whole_axis(stack, touch):
     """No network of resistances and capacities gives power: Re Z >= 0, of a fingertip, of an object, and at a heater."""
@@ -75,6 +78,7 @@ def test_passive_on_the_whole_axis(stack, touch):
         assert (finite.real >= -1e-13 * np.abs(finite)).all()  # a NaN is not
 
 
+@settings(max_examples=EXAMPLES)
 @given(stacks(), TOUCHES, st.floats(-300, 300), st.floats(-3.1, 3.1))
 def test_nothing_overflows_at_any_s(stack, touch, decades, angle):
     s = np.array(10**decades * np.exp(1j * angle))
@@ -84,6 +88,7 @@ def test_nothing_overflows_at_any_s(stack, touch, decades, angle):
     assert all(np.isfinite(each) for each in (found.sensed, found.face, found.flux, heated))
 
 
+@settings(max_examples=EXAMPLES)
 @given(stacks(elements=LAYERS), TOUCHES, st.floats(0.01, 0.99), st.data())
 def test_a_layer_in_two_is_the_same_layer(stack, touch, part, data):
     i = data.draw(st.integers(0, len(stack.elements) - 1))
@@ -100,6 +105,7 @@ def both_ways(stack, touch):
     return contact_transfer(stack, touch, s).sensed, heater_transfer(stack, touch, s, heater=0)
 
 
+@settings(max_examples=EXAMPLES)
 @given(stacks(), TOUCHES, MATERIALS, st.data())
 def test_a_layer_of_no_thickness_is_nothing(stack, touch, material, data):
     i = data.draw(st.integers(0, len(stack.elements)))
@@ -111,6 +117,7 @@ def test_a_layer_of_no_thickness_is_nothing(stack, touch, material, data):
     assert contact_transfer(other, touch, s).sensed == pytest.approx(expected, rel=1e-6, abs=1e-12)
 
 
+@settings(max_examples=EXAMPLES)
 @given(
     stacks(elements=LAYERS, backings=st.one_of(st.builds(HalfSpace, MATERIALS), st.just(Base()))),
     MATERIALS,
@@ -125,6 +132,7 @@ def test_scaling_of_all_lengths(stack, touched, h, scale):
     assert large == pytest.approx(small, abs=ROUNDING)
 
 
+@settings(max_examples=EXAMPLES)
 @given(LAYERS, TOUCHES)
 def test_reciprocity_and_the_way_through(layer, touch):
     """Heat put in at either of two planes warms the other alike."""
@@ -135,6 +143,7 @@ def test_reciprocity_and_the_way_through(layer, touch):
     assert back == pytest.approx(there, rel=1e-10, abs=1e-14 * np.abs(there).max())
 
 
+@settings(max_examples=EXAMPLES)
 @given(LAYERS, log_floats(1e2, 1e5), MATERIALS)
 def test_step_on_an_insulated_slab_only_rises(layer, h, touched):
     t = layer.thickness**2 / layer.material.alpha * np.logspace(-3, 2, 200)
@@ -145,7 +154,7 @@ def test_step_on_an_insulated_slab_only_rises(layer, h, touched):
     assert found.max() <= 1 + 1e-11
 
 
-@settings(max_examples=15)
+@settings(max_examples=10)
 @given(LAYERS, st.floats(1e3, 1e5), MATERIALS)
 def test_what_flowed_in_is_stored(layer, h, touched):
     """The integral of q is rho c times that of theta: Gauss's 24 nodes are exact for so smooth a profile."""

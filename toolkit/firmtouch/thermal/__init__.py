@@ -1,6 +1,7 @@
 """A fingertip of layers -> its exact thermal transfer functions -> responses, their rise times, and rational models."""
 
 from firmtouch.thermal.arrays import ThermalValueError
+from firmtouch.thermal.bead import SphereTransfer, diffusion_floor, sphere_transfer
 from firmtouch.thermal.contact import ContactConductance, Roughness, contact_conductance
 from firmtouch.thermal.contact_event import (
     ContactEvent,
@@ -92,6 +93,7 @@ __all__ = [
     "RiseTime",
     "Roughness",
     "Slab",
+    "SphereTransfer",
     "Stack",
     "ThermalValueError",
     "Touch",
@@ -99,6 +101,7 @@ __all__ = [
     "TwoTemperatures",
     "contact_conductance",
     "contact_transfer",
+    "diffusion_floor",
     "diffusion_length",
     "disc_admittance",
     "disc_heat_flow",
@@ -122,6 +125,7 @@ __all__ = [
     "reduce_step",
     "required_conductance",
     "rise_time",
+    "sphere_transfer",
     "spreading_ratio",
     "step",
     "talbot",

@@ -22,6 +22,7 @@ PARTS = (
     "oracle",
     "report",
     "simulation",
+    "thermal",
 )
 HEAVY = (
     "casadi",

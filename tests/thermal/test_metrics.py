@@ -1,4 +1,4 @@
-"""Rise times of closed forms to 1e-6 and better, of the worked designs, and what makes two objects distinct."""
+"""Rise times of closed forms to 1e-6 and better, of the worked designs."""
 
 import math
 
@@ -13,9 +13,7 @@ from firmtouch.thermal import (
     NoResponseError,
     ThermalValueError,
     Touch,
-    discriminability,
     rise_time,
-    time_to_discriminate,
 )
 
 WINDOW = 0.5
@@ -96,44 +94,3 @@ def test_worked_designs(m, designs, design, h, expected):
         assert 1e3 * found.seconds == pytest.approx(milliseconds, rel=0.025)  # two digits recorded
         if gain:
             assert found.end_value == pytest.approx(gain, abs=0.006)
-
-
-@pytest.fixture
-def felt(m, designs):
-    def of(name):
-        return ContactEvent(designs.D3, Touch(HalfSpace(getattr(m, name)), 1e4), 14.0).temperature
-
-    return of
-
-
-@pytest.mark.parametrize(
-    ("pair", "expected"),
-    [
-        (("copper", "aluminium"), 4.7),
-        (("aluminium", "steel"), 29),
-        (("steel", "glass"), 137),
-        (("glass", "pmma"), 247),
-        (("pmma", "pine"), 255),
-    ],
-)
-def test_discrimination_of_the_worked_design(felt, pair, expected):
-    found = discriminability(*map(felt, pair), 10e-3, noise=20e-3, rate=1e3)
-    assert found == pytest.approx(expected, rel=0.02)  # two digits recorded
-
-
-def test_time_to_discriminate_is_the_first_sample_that_suffices(felt):
-    pair, noise = (felt("copper"), felt("aluminium")), {"noise": 20e-3, "rate": 1e3}
-    found = time_to_discriminate(*pair, WINDOW, **noise)
-    assert discriminability(*pair, found, **noise) >= 5 > discriminability(*pair, found - 1e-3, **noise)
-    assert time_to_discriminate(felt("copper"), felt("copper"), WINDOW, **noise) == math.inf
-    assert time_to_discriminate(*pair, 5e-4, **noise) == math.inf  # before the first sample
-    assert discriminability(*pair, 5e-4, **noise) == 0
-
-
-def test_discriminability_of_a_constant_difference():
-    """d' of a difference D in n samples is D sqrt(n) / sigma."""
-    found = discriminability(np.ones_like, np.zeros_like, 0.25, noise=0.5, rate=100)
-    assert found == pytest.approx(2 * math.sqrt(25), rel=1e-14)
-    assert time_to_discriminate(np.ones_like, np.zeros_like, 1.0, noise=0.5, rate=100) == pytest.approx(
-        0.07
-    )  # n = 6.25

@@ -12,6 +12,15 @@ from firmtouch.thermal.contact_event import (
     pulse_response,
     two_temperatures,
 )
+from firmtouch.thermal.discrimination import (
+    Nuisance,
+    Sampling,
+    conductance_sensitivity,
+    discriminability,
+    effusivity_sensitivity,
+    effusivity_spread,
+    time_to_discriminate,
+)
 from firmtouch.thermal.inversion import Inversion, InversionError, euler, invert, step, talbot
 from firmtouch.thermal.loop import (
     Loop,
@@ -30,9 +39,7 @@ from firmtouch.thermal.metrics import (
     Metric,
     NoResponseError,
     RiseTime,
-    discriminability,
     rise_time,
-    time_to_discriminate,
 )
 from firmtouch.thermal.pad import (
     diffusion_length,
@@ -87,11 +94,13 @@ __all__ = [
     "Material",
     "Metric",
     "NoResponseError",
+    "Nuisance",
     "OnePole",
     "Pulse",
     "Reduction",
     "RiseTime",
     "Roughness",
+    "Sampling",
     "Slab",
     "SphereTransfer",
     "Stack",
@@ -99,6 +108,7 @@ __all__ = [
     "Touch",
     "TwoNode",
     "TwoTemperatures",
+    "conductance_sensitivity",
     "contact_conductance",
     "contact_transfer",
     "diffusion_floor",
@@ -106,6 +116,8 @@ __all__ = [
     "disc_admittance",
     "disc_heat_flow",
     "discriminability",
+    "effusivity_sensitivity",
+    "effusivity_spread",
     "euler",
     "fin_crosstalk",
     "fin_length",

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
-from scipy.optimize import brentq, minimize_scalar
 
 from firmtouch.errors import NoDesignError
 from firmtouch.thermal.arrays import Array, Response, require_positive
@@ -20,8 +19,6 @@ PER_DECADE, DECADES = 50, 8
 """Of the samples that bracket crossings; they end at the window's end."""
 TURNED = 1e-9
 """Of the end value: by how much a response must fall to be called not monotone; inversion errs by 1e-12."""
-ENOUGH = 5.0
-"""The d' at which two objects count as told apart."""
 
 
 class NoResponseError(NoDesignError):
@@ -79,6 +76,8 @@ def sample(response: Response, window: float) -> Sampled:
     ThermalValueError
         If the window is not positive.
     """
+    from scipy.optimize import minimize_scalar
+
     require_positive(window=window)
     t = window * np.logspace(-DECADES, 0, PER_DECADE * DECADES + 1)
     values = response(t)
@@ -111,6 +110,8 @@ def crossing(sampled: Sampled, level: float) -> float:
 
     A time before the first sample is zero.
     """
+    from scipy.optimize import brentq
+
     reached = sampled.values / sampled.end_value >= level
     if level <= 0 or reached[0]:
         return 0.0
@@ -151,31 +152,3 @@ def measure(sampled: Sampled, metric: Metric) -> RiseTime:
         window=float(sampled.t[-1]),
         monotone=sampled.monotone,
     )
-
-
-def discriminability(first: Response, second: Response, t: float, *, noise: float, rate: float) -> float:
-    """Give d' of two responses seen until t (s): sqrt(sum of (difference/noise)^2) over samples at k/rate, k >= 1.
-
-    `noise` is the standard deviation of one sample, white, in the responses' unit; `rate` is in 1/s. Nothing else is
-    unknown, so this is the most that any detector can have.
-    """
-    require_positive(observation_time=t, noise=noise, sampling_rate=rate)
-    count = math.floor(t * rate * (1 + 1e-12))
-    return float(_d_primes(first, second, count, noise, rate)[-1]) if count else 0.0
-
-
-def _d_primes(first: Response, second: Response, count: int, noise: float, rate: float) -> Array:
-    times = np.arange(1, count + 1) / rate
-    return np.asarray(np.sqrt(np.cumsum(((first(times) - second(times)) / noise) ** 2)))
-
-
-def time_to_discriminate(
-    first: Response, second: Response, window: float, *, noise: float, rate: float, enough: float = ENOUGH
-) -> float:
-    """Give the first sample's time (s) at which d' >= `enough`; `inf` if there is none within the window."""
-    require_positive(window=window, noise=noise, sampling_rate=rate, enough=enough)
-    count = math.floor(window * rate * (1 + 1e-12))
-    if not count:
-        return math.inf
-    told = _d_primes(first, second, count, noise, rate) >= enough
-    return float((np.argmax(told) + 1) / rate) if told.any() else math.inf

@@ -22,8 +22,12 @@ PARTS = (
     "oracle",
     "report",
     "simulation",
+<<<<<<< HEAD
     "thermal.sensorfile",
     "thermal.tables",
+=======
+    "thermal",
+>>>>>>> tengine
 )
 HEAVY = (
     "casadi",

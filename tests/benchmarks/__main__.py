@@ -15,6 +15,7 @@ from tests.benchmarks import (
     six_joints,
     spatial_six_joints,
     start,
+    thermal_speed,
     tree_speed,
 )
 from tests.benchmarks.measure import Figure
@@ -34,6 +35,7 @@ def main() -> int:
         certificate_speed,
         simulation_speed,
         montecarlo_speed,
+        thermal_speed,
     )
     for benchmark in chosen:
         for each in benchmark.figures():

@@ -22,12 +22,9 @@ PARTS = (
     "oracle",
     "report",
     "simulation",
-<<<<<<< HEAD
+    "thermal",
     "thermal.sensorfile",
     "thermal.tables",
-=======
-    "thermal",
->>>>>>> tengine
 )
 HEAVY = (
     "casadi",

@@ -87,6 +87,11 @@ def test_poles_that_meet_are_the_limit_of_poles_that_nearly_do():
         assert near == pytest.approx(steps[0], rel=1e-7)
 
 
+def test_poles_that_are_equal_to_the_last_digit():
+    """Without a gain the lag does nothing to the temperature: 1 - e^{-t}, from two poles at -1."""
+    assert ConstantTemperature(1.0, 1.0, 0.0, 1.0).temperature_step(T) == pytest.approx(-np.expm1(-T), rel=1e-13)
+
+
 def test_a_loop_without_lag_has_one_pole():
     loop = ConstantTemperature(40e-6, 1e-3, 50e-3)
     assert loop.poles == pytest.approx([-51e-3 / 40e-6])

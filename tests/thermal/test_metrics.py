@@ -62,6 +62,13 @@ def test_a_peak_between_samples_is_found(shift):
     assert found.end / place == pytest.approx(math.exp(-0.2 * math.sqrt(-math.log(0.9))), rel=1e-6)
 
 
+def test_few_samples_are_as_exact(m, designs):
+    """They only bracket what root finding then finds on the exact response."""
+    f = ContactEvent(designs.D3, Touch(HalfSpace(m.glass), 1e4), 14.0).temperature
+    coarse, fine = (rise_time(f, WINDOW, per_decade=each) for each in (8, 50))
+    assert (coarse.start, coarse.end) == pytest.approx((fine.start, fine.end), rel=1e-9)
+
+
 def test_a_jump_starts_at_once():
     found = rise_time(lambda t: 0.5 + 0.5 * t, 1.0)
     assert (found.start, found.end) == pytest.approx((0, 0.8), abs=1e-12)

@@ -267,6 +267,11 @@ def test_a_contact_that_conducts_nothing_is_refused(m, wrong):
             make()
 
 
+def test_only_layers_are_thick(m):
+    stack = Stack((Layer(m.glass, 1e-3), Film(3.0), Contact(1e4), Layer(m.pdms, 2e-3)), sensed=1, backing=Base())
+    assert stack.thickness == pytest.approx(3e-3, rel=1e-15)
+
+
 def test_planes_that_are_not_there_are_refused(m, designs):
     with pytest.raises(ThermalValueError, match="sensed plane is 4, but must be between 0 and 3"):
         replace(designs.D1, sensed=4)

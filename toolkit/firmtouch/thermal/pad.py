@@ -10,7 +10,6 @@ import math
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.special import erfc
 
 from firmtouch.thermal.arrays import Array, Complex, ThermalValueError, require_positive, require_times
 from firmtouch.thermal.stack import Material
@@ -57,6 +56,8 @@ def point_source_rise(material: Material, distance: float, t: ArrayLike) -> Arra
 
     erfc(r / sqrt(4 alpha t)) / (2 pi k r) (Carslaw and Jaeger, 10.2).
     """
+    from scipy.special import erfc
+
     times = require_times(t)
     require_positive(distance=distance)
     reached = erfc(distance / np.sqrt(4 * material.alpha * times))
@@ -69,6 +70,8 @@ def disc_centre_rise(material: Material, radius: float, t: ArrayLike) -> Array:
     2 sqrt(alpha t) / (k A) (1/sqrt(pi) - ierfc(a / (2 sqrt(alpha t)))) (Carslaw and Jaeger, 10.5), ierfc being the
     integral of erfc.
     """
+    from scipy.special import erfc
+
     times = require_times(t)
     require_positive(radius=radius)
     depth = np.sqrt(material.alpha * times)

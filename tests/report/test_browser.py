@@ -1,7 +1,5 @@
 """The HTML report as a browser shows it: on a phone, on a desk and on paper."""
 
-import os
-import shutil
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -14,15 +12,6 @@ pytestmark = pytest.mark.browser
 PHONE, DESK, PAPER = 390, 1280, 794  # CSS pixels; the last is the width of A4 at 96 to the inch
 SMALLEST_TEXT = 9  # px of font size: what is smaller cannot be read without zooming
 SMALLEST_LABEL = 6.5  # px, of the small print in pictures on a phone, where one can zoom into them
-QUIET = [
-    "--no-sandbox",
-    "--disable-gpu",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-]
 
 # What a script in the page finds; every list is empty on a good page.
 LOOK = """
@@ -79,21 +68,6 @@ class Visit:
 
     def look(self) -> SimpleNamespace:
         return SimpleNamespace(**self.page.evaluate(LOOK.replace("SMALLEST", str(SMALLEST_TEXT)).replace("\\\\", "\\")))
-
-
-@pytest.fixture(scope="session")
-def browser() -> Iterator:
-    chromium = shutil.which("chromium")
-    if chromium is None and os.environ.get("CI"):
-        pytest.fail("chromium is not installed on this CI machine")
-    if chromium is None:
-        pytest.skip("chromium is not installed; the HTML report was not looked at")
-    from playwright.sync_api import sync_playwright
-
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=chromium, args=QUIET)
-        yield browser
-        browser.close()
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from ruamel.yaml import YAML
-from tests.report.test_browser import DESK, LOOK, PHONE, Visit, browser, opened
+from tests.report.test_browser import DESK, LOOK, PHONE, Visit, opened
 
 import firmtouch
 from firmtouch.design import try_out_design
@@ -21,7 +21,6 @@ from firmtouch.report.figures.trajectory import run_picture
 from firmtouch.report.simulation_json import steady_state_as_json, trajectory_as_csv
 from firmtouch.simulation.trajectory import Outcome
 
-__all__ = ["browser"]  # a fixture
 ROOT = Path(__file__).parents[2]
 MODELS = ("planar_3r_wall", pytest.param("pendulum_rod", marks=pytest.mark.slow), "planar_2r_circle")
 SUPERSCRIPTS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")

@@ -6,8 +6,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
-from firmtouch.certificate.attraction.comparison import Comparison, compare_attraction
-from firmtouch.certificate.attraction.finding import Finding, look_around
 from firmtouch.certificate.certificate import Certificate, certify
 from firmtouch.certificate.subject import subject_of
 from firmtouch.certificate.witness import Multipliers, Witness
@@ -27,6 +25,8 @@ from firmtouch.synthesis import assign_poles
 from firmtouch.synthesis.pole_assignment import requested_poles
 
 if TYPE_CHECKING:
+    from firmtouch.certificate.attraction.comparison import Comparison
+    from firmtouch.certificate.attraction.finding import Finding
     from firmtouch.synthesis.region import RegionDesign
 
 FAR: Final = 0.3
@@ -178,6 +178,9 @@ def design_model(
 
 def look_around_design(design: Design) -> Design:
     """Add the region of attraction to a design."""
+    from firmtouch.certificate.attraction.comparison import compare_attraction
+    from firmtouch.certificate.attraction.finding import look_around
+
     finding = look_around(design.loop)
     drawn = finding.attraction is not None and finding.attraction.chart.free <= MOST_DRAWN
     comparison = compare_attraction(design.loop, finding.attraction) if drawn and finding.attraction else None

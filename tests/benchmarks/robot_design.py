@@ -12,8 +12,8 @@ MODEL = "models/panda_plane.yaml"
 WHOLE, GAINS = 15, 2
 FEWEST, MOST = 2, 8
 FIND_GAINS = (
-    "import firmtouch, firmtouch.design; "
-    f"firmtouch.design.find_gains(firmtouch.read_model({MODEL!r}).with_method('poles'))"
+    f"import firmtouch as ft; spec = ft.read_model({MODEL!r}).with_method('poles').spec; "
+    "ft.assign_poles(ft.find_operating_point(ft.derive_plant(spec)), spec.design)"
 )
 
 

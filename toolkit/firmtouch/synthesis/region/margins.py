@@ -22,6 +22,8 @@ from firmtouch.synthesis.region.terms.term import RegionTerm
 
 MOST_GENERAL: Final = 20
 """Free directions times loops up to which a general Lyapunov matrix is tried where [T4] proves no more."""
+MOST_FREE: Final = 5
+"""Free directions up to which that is: with six, one attempt takes a second and more."""
 FARTHEST: Final = 64.0
 """Beyond this factor a margin is called unlimited."""
 POLES_TO: Final = 1e-3
@@ -156,7 +158,8 @@ class Proof:
         """Prove it."""
         if self._energy and best_energy_slack(tangents, self._regions, self._hint) > 0:
             return True
-        small = len(tangents) * len(tangents[0].M) <= MOST_GENERAL
+        free = len(tangents[0].M)
+        small = free <= MOST_FREE and len(tangents) * free <= MOST_GENERAL
         return (small or not self._energy) and general_proof(tangents, self._regions) is not None
 
     def farthest(self, tangents: Callable[[float], Sequence[Tangent] | None]) -> float:

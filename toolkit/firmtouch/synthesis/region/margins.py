@@ -22,8 +22,6 @@ from firmtouch.synthesis.region.terms.term import RegionTerm
 
 MOST_GENERAL: Final = 20
 """Free directions times loops up to which a general Lyapunov matrix is tried where [T4] proves no more."""
-MOST_FREE: Final = 5
-"""Free directions up to which that is: with six, one attempt takes a second and more."""
 FARTHEST: Final = 64.0
 """Beyond this factor a margin is called unlimited."""
 POLES_TO: Final = 1e-3
@@ -158,8 +156,7 @@ class Proof:
         """Prove it."""
         if self._energy and best_energy_slack(tangents, self._regions, self._hint) > 0:
             return True
-        free = len(tangents[0].M)
-        small = free <= MOST_FREE and len(tangents) * free <= MOST_GENERAL
+        small = len(tangents) * len(tangents[0].M) <= MOST_GENERAL
         return (small or not self._energy) and general_proof(tangents, self._regions) is not None
 
     def farthest(self, tangents: Callable[[float], Sequence[Tangent] | None]) -> float:
@@ -168,20 +165,25 @@ class Proof:
         The poles alone give an upper end, found by bisection; proofs are tried from there downwards.
         """
 
-        def possible(factor: float) -> bool:
-            loops = tangents(factor)
-            return loops is not None and self.possible(loops)
-
         def proven(factor: float) -> bool:
             loops = tangents(factor)
             return loops is not None and self.holds(loops)
 
-        end = _bisected(possible, 1.0, FARTHEST, POLES_TO)
+        end = self.upper_end(tangents)
         if end == 1.0:
             return 1.0
         if proven(end):
             return np.inf if end == FARTHEST else end
         return _bisected(proven, 1.0, end, PROVEN_TO)
+
+    def upper_end(self, tangents: Callable[[float], Sequence[Tangent] | None]) -> float:
+        """Find about the largest factor from one on at which the poles lie in the region: proofs end before it."""
+
+        def possible(factor: float) -> bool:
+            loops = tangents(factor)
+            return loops is not None and self.possible(loops)
+
+        return _bisected(possible, 1.0, FARTHEST, POLES_TO)
 
 
 def _bisected(fine: Callable[[float], bool], good: float, bad: float, accuracy: float) -> float:
@@ -237,6 +239,16 @@ def _tolerated(problem: RegionProblem, gains: Gains, proof: Proof, name: str) ->
         there = replace(problem, points=points)
         return there.tangents(gains) if _positive(there, gains.W) else None
 
-    up = proof.farthest(lambda factor: widened(low, high + (factor - 1) * width))
-    down = proof.farthest(lambda factor: widened(low - (factor - 1) * width, high))
+    def upwards(factor: float) -> list[Tangent] | None:
+        return widened(low, high + (factor - 1) * width)
+
+    def downwards(factor: float) -> list[Tangent] | None:
+        return widened(low - (factor - 1) * width, high)
+
+    up, down = proof.upper_end(upwards), proof.upper_end(downwards)
+    both = widened(low - (down - 1) * width, high + (up - 1) * width) if max(up, down) > 1 else None
+    if both is not None and proof.holds(both):  # at once is soonest, where it can be proven
+        up, down = (np.inf if each == FARTHEST else each for each in (up, down))
+    else:
+        up, down = proof.farthest(upwards), proof.farthest(downwards)
     return Interval(max(low - (down - 1) * width, floor), high + (up - 1) * width)

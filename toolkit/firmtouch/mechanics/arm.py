@@ -8,7 +8,7 @@ import casadi as ca
 import numpy as np
 
 from firmtouch.mechanics.arrays import Array, frozen
-from firmtouch.mechanics.rigid_bodies import elementary_rotation
+from firmtouch.mechanics.rigid_bodies import rotation
 from firmtouch.mechanics.symbols import Symbols
 from firmtouch.mechanics.tree import KinematicTree, Placement, frame_pose, grow_tree, loaded, placement, planar_chain
 from firmtouch.mechanics.tree.dynamics import Inertias
@@ -71,9 +71,7 @@ def tree_of(mechanism: Robot, symbols: Symbols) -> KinematicTree:
 
 def offset(pose: PoseSpec, symbols: Symbols) -> Pose:
     """Give the pose that a file describes, of parameters alone."""
-    R = ca.SX.eye(3)
-    for axis, angle in pose.orientation:
-        R @= elementary_rotation(axis, symbols.scalar(angle))
+    R = rotation(pose.orientation, symbols) if pose.orientation else ca.SX.eye(3)
     return Pose(R, ca.SX(3, 1) if pose.position is None else symbols.column(pose.position))
 
 

@@ -11,12 +11,10 @@ from firmtouch.errors import NoDesignError
 from firmtouch.mechanics import Array, Plant
 from firmtouch.mechanics.arrays import frozen
 from firmtouch.regulation.inverse_kinematics import Reached
-from firmtouch.regulation.projection import RANK, OffSurfaceError, Projection, project, short
+from firmtouch.regulation.projection import NEAR_SURFACE, RANK, OffSurfaceError, Projection, project, short
 from firmtouch.regulation.reaching import BeyondGridError, beyond_grids, reach_configuration
 from firmtouch.regulation.redundancy import DependentConstraintsError, remedy_for, row_dependencies
 
-NEAR_SURFACE: Final = 1e-3
-"""How far a stated q_d may miss the constraints (in the unit of Phi) and still be taken as a rounded one."""
 IN_RANGE: Final = 1e-6
 """The part of f_d, relative to it, that may lie outside the range of J^T: file values are rounded."""
 

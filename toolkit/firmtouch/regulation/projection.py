@@ -16,6 +16,8 @@ MOST_STEPS: Final = 60
 LARGEST_STEP: Final = 0.5
 ON_SURFACE: Final = 1e-12
 """Phi(q_d), in metres or radians: what Newton's method reaches in double precision for mechanisms of metre size."""
+NEAR_SURFACE: Final = 1e-3
+"""How far (m or rad) what a file states may miss the constraints and still be taken as rounded."""
 RANK: Final = 1e-9
 """Singular values of J below this part of the largest count as zero."""
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 import casadi as ca
 import numpy as np
 
@@ -17,12 +19,11 @@ from firmtouch.modelfile.sections.frames import SurfaceContact
 from firmtouch.modelfile.sections.operating_point import ReachSpec
 from firmtouch.modelfile.sections.pose import FrameSpec
 from firmtouch.regulation.inverse_kinematics import Reach, Reached, pointed, solve_reach
+from firmtouch.regulation.projection import NEAR_SURFACE
 
-NEAR_SURFACE = 1e-3
-"""How far (m) a stated point may miss the surface and still be taken as a rounded one."""
-NEAR_NORMAL = 1e-3
+NEAR_NORMAL: Final = 1e-3
 """How far (rad) a stated direction may be off the normal and still be taken as a rounded one."""
-SQUARE = 1e-6
+SQUARE: Final = 1e-6
 """The least sine of the angle between two directions that shall span a plane."""
 
 

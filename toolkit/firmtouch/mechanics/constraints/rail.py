@@ -8,6 +8,7 @@ import casadi as ca
 
 from firmtouch.mechanics.arm import Arm
 from firmtouch.mechanics.constraints.turns import turns
+from firmtouch.mechanics.space import direction, unit
 from firmtouch.mechanics.symbols import Symbols
 from firmtouch.modelfile.sections.frames import CircleSpec, LineSpec, RailContact
 
@@ -35,25 +36,21 @@ def rail_rows(entry: RailContact, arm: Arm) -> list[ca.SX]:
 
 
 def _on_line(line: LineSpec, x: ca.SX, symbols: Symbols) -> Foot:
-    z = _unit(symbols.column(line.direction))
-    y = _square_to(z) if line.up is None else _unit(_beside(z, symbols.column(line.up)))
+    z = direction(line.direction, symbols)
+    y = _square_to(z) if line.up is None else unit(_beside(z, symbols.column(line.up)))
     R = ca.horzcat(ca.cross(y, z), y, z)
     away = R.T @ (x - symbols.column(line.point))
     return Foot((away[0], away[1]), R)
 
 
 def _on_circle(circle: CircleSpec, x: ca.SX, symbols: Symbols) -> Foot:
-    y = _unit(symbols.column(circle.axis))
+    y = direction(circle.axis, symbols)
     away = x - symbols.column(circle.centre)
     height = ca.dot(away, y)
     outwards = away - height * y
     distance = ca.norm_2(outwards)
     R = ca.horzcat(outwards / distance, y, ca.cross(outwards / distance, y))
     return Foot((distance - symbols.scalar(circle.radius), height), R)
-
-
-def _unit(v: ca.SX) -> ca.SX:
-    return v / ca.norm_2(v)
 
 
 def _beside(z: ca.SX, v: ca.SX) -> ca.SX:
@@ -68,4 +65,4 @@ def _square_to(z: ca.SX) -> ca.SX:
     """
     sizes = [abs(float(ca.evalf(each))) if not ca.symvar(each) else 1.0 for each in ca.vertsplit(z)]
     axis = ca.SX(ca.DM([float(i == sizes.index(min(sizes))) for i in range(3)]))
-    return _unit(_beside(z, axis))
+    return unit(_beside(z, axis))

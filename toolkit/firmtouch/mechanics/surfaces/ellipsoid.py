@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import casadi as ca
 
-from firmtouch.mechanics.surfaces.frame import into_frame, length, rotation_of
+from firmtouch.mechanics.rigid_bodies import rotation
+from firmtouch.mechanics.space import into_frame, length
 from firmtouch.mechanics.symbols import Symbols
 from firmtouch.modelfile.sections.surface import Ellipsoid
 
@@ -20,9 +21,9 @@ def normal(ellipsoid: Ellipsoid, x: ca.SX, symbols: Symbols) -> ca.SX:
     """Give the normal of the ellipsoid of the same shape through x."""
     y, axes = _inside(ellipsoid, x, symbols)
     across = y / axes**2
-    return rotation_of(ellipsoid.orientation, symbols) @ (across / length(across))
+    return rotation(ellipsoid.orientation, symbols) @ (across / length(across))
 
 
 def _inside(ellipsoid: Ellipsoid, x: ca.SX, symbols: Symbols) -> tuple[ca.SX, ca.SX]:
-    R = rotation_of(ellipsoid.orientation, symbols)
+    R = rotation(ellipsoid.orientation, symbols)
     return into_frame(x, ellipsoid.centre, R, symbols), symbols.column(ellipsoid.semi_axes)

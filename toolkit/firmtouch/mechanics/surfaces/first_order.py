@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 import casadi as ca
 
-from firmtouch.mechanics.surfaces.frame import length, unit
+from firmtouch.mechanics.space import length, unit
 
 Level = Callable[[ca.SX], ca.SX]
 """f, of a point (3) in the surface's frame."""

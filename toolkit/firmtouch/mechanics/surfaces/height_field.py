@@ -8,7 +8,8 @@ import casadi as ca
 import numpy as np
 
 from firmtouch.mechanics.arrays import frozen
-from firmtouch.mechanics.surfaces.frame import into_frame, length, rotation_of
+from firmtouch.mechanics.rigid_bodies import rotation
+from firmtouch.mechanics.space import into_frame, length
 from firmtouch.mechanics.surfaces.spline import basis, coefficients
 from firmtouch.mechanics.symbols import Symbols
 from firmtouch.modelfile.sections.surface import HeightField
@@ -25,12 +26,12 @@ def normal(field: HeightField, x: ca.SX, symbols: Symbols) -> ca.SX:
     """Give the normal of the landscape under x."""
     h = Heights(field, in_frame(field, x, symbols), symbols)
     upwards = ca.vertcat(-h(1, 0), -h(0, 1), 1)
-    return rotation_of(field.orientation, symbols) @ (upwards / length(upwards))
+    return rotation(field.orientation, symbols) @ (upwards / length(upwards))
 
 
 def in_frame(field: HeightField, x: ca.SX, symbols: Symbols) -> ca.SX:
     """Give a point of the world in the field's frame."""
-    return into_frame(x, field.position, rotation_of(field.orientation, symbols), symbols)
+    return into_frame(x, field.position, rotation(field.orientation, symbols), symbols)
 
 
 class Heights:
@@ -65,7 +66,7 @@ class Heights:
 
 def expand(field: HeightField, x: ca.SX, symbols: Symbols) -> tuple[ca.SX, ca.SX, ca.SX]:
     """Give the distance, its gradient (3) and its Hessian (3 x 3), from h's cubic Taylor polynomial at x."""
-    R = rotation_of(field.orientation, symbols)
+    R = rotation(field.orientation, symbols)
     y = into_frame(x, field.position, R, symbols)
     h = Heights(field, y, symbols)
     orders = [(a, b) for a in range(4) for b in range(4 - a)]

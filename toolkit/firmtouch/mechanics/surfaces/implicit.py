@@ -4,21 +4,22 @@ from __future__ import annotations
 
 import casadi as ca
 
+from firmtouch.mechanics.rigid_bodies import rotation
+from firmtouch.mechanics.space import into_frame
 from firmtouch.mechanics.surfaces import first_order
-from firmtouch.mechanics.surfaces.frame import into_frame, rotation_of
 from firmtouch.mechanics.symbols import Symbols
 from firmtouch.modelfile.sections.surface import Implicit
 
 
 def distance(implicit: Implicit, x: ca.SX, symbols: Symbols) -> ca.SX:
     """Give f / |grad f|."""
-    R = rotation_of(implicit.orientation, symbols)
+    R = rotation(implicit.orientation, symbols)
     return first_order.distance(_level(implicit, symbols), into_frame(x, implicit.position, R, symbols))
 
 
 def normal(implicit: Implicit, x: ca.SX, symbols: Symbols) -> ca.SX:
     """Give the normal of the level set of f through x."""
-    R = rotation_of(implicit.orientation, symbols)
+    R = rotation(implicit.orientation, symbols)
     return R @ first_order.normal(_level(implicit, symbols), into_frame(x, implicit.position, R, symbols))
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import casadi as ca
 
-from firmtouch.mechanics.surfaces.frame import length, unit
+from firmtouch.mechanics.space import length, unit
 from firmtouch.mechanics.symbols import Symbols
 from firmtouch.modelfile.sections.surface import Sphere
 

@@ -13,8 +13,9 @@ from typing import Final
 
 import casadi as ca
 
+from firmtouch.mechanics.rigid_bodies import rotation
+from firmtouch.mechanics.space import into_frame
 from firmtouch.mechanics.surfaces import first_order
-from firmtouch.mechanics.surfaces.frame import into_frame, rotation_of
 from firmtouch.mechanics.symbols import Symbols
 from firmtouch.modelfile.sections.surface import Superellipsoid
 
@@ -24,13 +25,13 @@ TINY: Final = 1e-100
 
 def distance(superellipsoid: Superellipsoid, x: ca.SX, symbols: Symbols) -> ca.SX:
     """Give f / |grad f| of f = g - 1, where g is the gauge above, homogeneous of degree one."""
-    R = rotation_of(superellipsoid.orientation, symbols)
+    R = rotation(superellipsoid.orientation, symbols)
     return first_order.distance(_level(superellipsoid, symbols), into_frame(x, superellipsoid.centre, R, symbols))
 
 
 def normal(superellipsoid: Superellipsoid, x: ca.SX, symbols: Symbols) -> ca.SX:
     """Give the normal of the superellipsoid of the same shape through x."""
-    R = rotation_of(superellipsoid.orientation, symbols)
+    R = rotation(superellipsoid.orientation, symbols)
     return R @ first_order.normal(_level(superellipsoid, symbols), into_frame(x, superellipsoid.centre, R, symbols))
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import casadi as ca
 
+from firmtouch.mechanics.space import unit
 from firmtouch.mechanics.surfaces.around_axis import along_and_away, outwards
-from firmtouch.mechanics.surfaces.frame import unit
 from firmtouch.mechanics.symbols import Symbols
 from firmtouch.modelfile.sections.surface import Torus
 

@@ -13,11 +13,9 @@ from firmtouch.mechanics.arrays import Array, Vector, frozen
 from firmtouch.mechanics.tree.inertia import NOTHING, BodyInertia, body_inertia, symmetric_tensor
 from firmtouch.mechanics.tree.placement import Placement, placement, turn
 from firmtouch.mechanics.tree.tree import WORLD, Frame, KinematicTree, TreeJoint
-from firmtouch.modelfile.urdf import JointType, Link, Moving, UrdfJoint, UrdfRobot, select_moving
+from firmtouch.modelfile.urdf import EARTH, JointType, Link, Moving, UrdfJoint, UrdfRobot, select_moving
 from firmtouch.modelfile.words import shown
 
-EARTH: Final = (0.0, 0.0, -9.81)
-"""Gravity where z points up, m/s^2."""
 MOST_JOINTS: Final = 100
 """Twice what a humanoid has; the expressions of M grow with the square of it."""
 THINNEST: Final = 1e-6

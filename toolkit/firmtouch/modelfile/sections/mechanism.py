@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Final, Literal
+from typing import Annotated, Any, Final
 
 from pydantic import Discriminator, Field, Tag, ValidationInfo, model_validator
 
@@ -18,16 +18,14 @@ from firmtouch.modelfile.fields import (
     read_all,
     read_expression,
     refuse,
-    under,
 )
 from firmtouch.modelfile.sections.chain import ChainMechanism
 from firmtouch.modelfile.sections.robot import UrdfMechanism
 from firmtouch.modelfile.sections.section import Section
+from firmtouch.modelfile.sections.space import Rotations, read_rotations
 
 PLANE_OR_SPACE: Final = (2, 3)
-Axis = Literal["x", "y", "z"]
 Matrix = tuple[tuple[Expression, ...], ...]
-Rotations = tuple[tuple[Axis, Expression], ...]
 
 
 def _matrix(raw: list[Any], known: Declarations, unit: str) -> Matrix:
@@ -57,15 +55,7 @@ def _orientation(raw: object, info: ValidationInfo) -> Expression | Matrix | Rot
         return read_expression(raw, known, unit="1")
     if raw and isinstance(raw[0], list):
         return _matrix(raw, known, "1")
-    return tuple(read_all(enumerate(raw), lambda _, each: _rotation(each, known)).values())
-
-
-def _rotation(raw: object, known: Declarations) -> tuple[Axis, Expression]:
-    axis = next(iter(raw)) if isinstance(raw, dict) and len(raw) == 1 else None
-    if not isinstance(raw, dict) or axis not in ("x", "y", "z"):
-        refuse(Problem("a rotation is written `{z: q1}`: one axis out of x, y, z, and an angle"))
-    with under(axis):
-        return axis, read_expression(raw[axis], known, unit="1")
+    return read_rotations(raw, lambda angle: read_expression(angle, known, unit="1"), "{z: q1}")
 
 
 _SCALARS: Final = EXPRESSION_SCHEMA["anyOf"]

@@ -37,15 +37,13 @@ from firmtouch.modelfile.sections.variables import Coordinate
 from firmtouch.modelfile.units import parse_unit
 from firmtouch.modelfile.urdf.inertial import ROUNDED
 from firmtouch.modelfile.urdf.moving import Moving, MovingJoint, locked_positions, matters, select_moving
-from firmtouch.modelfile.urdf.robot import JointType, UrdfRobot
+from firmtouch.modelfile.urdf.robot import EARTH, JointType, UrdfRobot
 from firmtouch.modelfile.words import shown
 
 LONGEST_NAME: Final = 32
 PER_JOINT: Final = {"type": "object", "additionalProperties": QUANTITY_SCHEMA}
 NOT_NEGATIVE: Final = Range(least=0)
 T = TypeVar("T")
-EARTH: Final = (0.0, 0.0, -9.81)
-"""Gravity where z points up, m/s^2."""
 
 
 def _urdf(raw: object, info: ValidationInfo) -> UrdfRobot:

@@ -2,9 +2,10 @@
 
 from firmtouch.modelfile.urdf.moving import Moving, MovingJoint, select_moving
 from firmtouch.modelfile.urdf.read import parse_urdf, read_urdf
-from firmtouch.modelfile.urdf.robot import Inertial, JointType, Limits, Link, Mimic, Pose, UrdfJoint, UrdfRobot
+from firmtouch.modelfile.urdf.robot import EARTH, Inertial, JointType, Limits, Link, Mimic, Pose, UrdfJoint, UrdfRobot
 
 __all__ = [
+    "EARTH",
     "Inertial",
     "JointType",
     "Limits",

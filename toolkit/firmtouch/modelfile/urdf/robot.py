@@ -12,6 +12,10 @@ Place = tuple[int, int]
 """Line and column, both from one."""
 
 
+EARTH = (0.0, 0.0, -9.81)
+"""Gravity where z points up, m/s^2."""
+
+
 class JointType(Enum):
     """The joints that are read; `floating` and `planar` are refused by name."""
 

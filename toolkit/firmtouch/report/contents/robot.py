@@ -15,8 +15,9 @@ from firmtouch.modelfile.sections.constraint import Constraint
 from firmtouch.modelfile.sections.frames import SurfaceContact
 from firmtouch.modelfile.sections.joint_tree import Robot
 from firmtouch.modelfile.sections.pose import PoseSpec
-from firmtouch.modelfile.sections.robot import EARTH, UrdfMechanism
+from firmtouch.modelfile.sections.robot import UrdfMechanism
 from firmtouch.modelfile.sections.variables import Coordinate
+from firmtouch.modelfile.urdf import EARTH
 from firmtouch.modelfile.urdf.robot import JointType
 from firmtouch.report.document import Block, Code, Line, Math, Paragraph, Table
 from firmtouch.report.mathematics import symbol

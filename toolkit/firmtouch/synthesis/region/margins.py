@@ -159,7 +159,7 @@ class Proof:
         small = len(tangents) * len(tangents[0].M) <= MOST_GENERAL
         return (small or not self._energy) and general_proof(tangents, self._regions) is not None
 
-    def farthest(self, tangents: Callable[[float], Sequence[Tangent] | None]) -> float:
+    def farthest(self, tangents: Callable[[float], Sequence[Tangent] | None], end: float | None = None) -> float:
         """Find about the largest factor from one on whose loops are proven; infinite beyond FARTHEST.
 
         The poles alone give an upper end, found by bisection; proofs are tried from there downwards.
@@ -169,7 +169,7 @@ class Proof:
             loops = tangents(factor)
             return loops is not None and self.holds(loops)
 
-        end = self.upper_end(tangents)
+        end = self.upper_end(tangents) if end is None else end
         if end == 1.0:
             return 1.0
         if proven(end):
@@ -250,5 +250,5 @@ def _tolerated(problem: RegionProblem, gains: Gains, proof: Proof, name: str) ->
     if both is not None and proof.holds(both):  # at once is soonest, where it can be proven
         up, down = (np.inf if each == FARTHEST else each for each in (up, down))
     else:
-        up, down = proof.farthest(upwards), proof.farthest(downwards)
+        up, down = proof.farthest(upwards, up), proof.farthest(downwards, down)
     return Interval(max(low - (down - 1) * width, floor), high + (up - 1) * width)

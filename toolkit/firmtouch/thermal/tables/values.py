@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
+from firmtouch.thermal.stack import Material
 from firmtouch.thermal.tables.rows import Held
 
 REFERENCE: Final = 298.15
@@ -14,34 +14,12 @@ REFERENCE: Final = 298.15
 
 
 @dataclass(frozen=True, slots=True)
-class TableMaterial:
-    """A material at about 300 K: conductivity k in W/(m K), density rho in kg/m^3, heat capacity c in J/(kg K).
+class TableMaterial(Material):
+    """A material at about 300 K; those of a real piece are expected within +- `tolerance`, relative to each size."""
 
-    Those of a real piece are expected within +- `tolerance`, relative to each.
-    """
-
-    name: str
-    conductivity: float
-    density: float
-    heat_capacity: float
     title: str
     tolerance: float
     source: str
-
-    @property
-    def volumetric_capacity(self) -> float:
-        """Give rho c, in J/(m^3 K)."""
-        return self.density * self.heat_capacity
-
-    @property
-    def alpha(self) -> float:
-        """Give the diffusivity k/(rho c), in m^2/s."""
-        return self.conductivity / self.volumetric_capacity
-
-    @property
-    def effusivity(self) -> float:
-        """Give e = sqrt(k rho c), in W s^(1/2)/(m^2 K)."""
-        return math.sqrt(self.conductivity * self.volumetric_capacity)
 
 
 @dataclass(frozen=True, slots=True)

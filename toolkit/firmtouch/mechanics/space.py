@@ -1,13 +1,11 @@
-"""Directions and frames of surfaces, as SX."""
+"""Directions and frames in space that a file describes, as SX."""
 
 from __future__ import annotations
 
 import casadi as ca
 
-from firmtouch.mechanics.rigid_bodies import rotation
 from firmtouch.mechanics.symbols import Symbols
 from firmtouch.modelfile import Expression
-from firmtouch.modelfile.sections.mechanism import Rotations
 
 
 def direction(expression: Expression, symbols: Symbols) -> ca.SX:
@@ -25,11 +23,6 @@ def length(vector: ca.SX) -> ca.SX:
     return ca.sqrt(ca.sumsqr(vector))
 
 
-def rotation_of(orientation: Rotations, symbols: Symbols) -> ca.SX:
-    """Give R (3 x 3), from the surface's frame to the world."""
-    return rotation(orientation, symbols)
-
-
 def into_frame(x: ca.SX, position: Expression | None, R: ca.SX, symbols: Symbols) -> ca.SX:
-    """Give a point of the world in the surface's frame, R^T (x - position)."""
+    """Give a point of the world in a frame, R^T (x - position); R (3 x 3) is from the frame to the world."""
     return R.T @ (x if position is None else x - symbols.column(position))

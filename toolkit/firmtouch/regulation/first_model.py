@@ -1,4 +1,4 @@
-"""A configuration to start from, for a robot of which nothing is known but its file."""
+"""A first model of a robot of which nothing is known but its file: its tool on a plane where the arm can move well."""
 
 from __future__ import annotations
 
@@ -9,7 +9,10 @@ import casadi as ca
 import numpy as np
 
 from firmtouch.mechanics.arrays import Array, frozen
-from firmtouch.mechanics.tree import KinematicTree, frame_pose
+from firmtouch.mechanics.tree import KinematicTree, frame_pose, grow_tree, placement
+from firmtouch.modelfile.sections.robot import coordinates_of
+from firmtouch.modelfile.template import robot_template
+from firmtouch.modelfile.urdf import EARTH, UrdfRobot, select_moving
 from firmtouch.regulation.inverse_kinematics.evaluation import Evaluation
 from firmtouch.regulation.inverse_kinematics.reach import reach_of_tree
 
@@ -25,6 +28,28 @@ class Start:
     q: Array
     position: Array
     axis: Array
+
+
+def first_robot_model(name: str, robot: UrdfRobot, place: str, *, tool: str | None = None) -> str:
+    """Give the text of a model file; `place` is the robot's file as seen from it, `tool` a link (or the last one).
+
+    Raises
+    ------
+    InputError
+        If there is no such tool, or it does not move; a `ModelFileError` where the robot's file is to blame.
+    """
+    tool = tool or select_moving(robot).links[-1]
+    moving = select_moving(robot, tools=(tool,))
+    start, coordinates = comfortable_start(grow_tree(moving, placement(), EARTH), tool), coordinates_of(moving)
+    return robot_template(
+        name,
+        urdf=place,
+        tool=tool,
+        guess=dict(zip(coordinates, start.q.tolist(), strict=True)),
+        units={each: coordinate.unit for each, coordinate in coordinates.items()},
+        point=start.position.tolist(),
+        axis=start.axis.tolist(),
+    )
 
 
 def comfortable_start(tree: KinematicTree, frame: str) -> Start:

@@ -72,8 +72,9 @@ from firmtouch.thermal.stack import (
     Stack,
     Touch,
 )
+from firmtouch.thermal.thermometer import NTC, RTD, SteinhartHart, Thermometer
 
-__all__ = [
+__all__ = [  # noqa: RUF022  # NTC and RTD are classes, not constants
     "Adiabatic",
     "Air",
     "Base",
@@ -93,10 +94,12 @@ __all__ = [
     "LoopUnstableError",
     "Material",
     "Metric",
+    "NTC",
     "NoResponseError",
     "Nuisance",
     "OnePole",
     "Pulse",
+    "RTD",
     "Reduction",
     "RiseTime",
     "Roughness",
@@ -104,7 +107,9 @@ __all__ = [
     "Slab",
     "SphereTransfer",
     "Stack",
+    "SteinhartHart",
     "ThermalValueError",
+    "Thermometer",
     "Touch",
     "TwoNode",
     "TwoTemperatures",

@@ -89,7 +89,7 @@ def test_a_nuisance_is_a_covariance(rng):
     for n in (1, 5, 12):
         covariance = 0.09 * np.eye(n) + 0.49 * np.outer(g[:n], g[:n])
         expected = math.sqrt(D[:n] @ np.linalg.solve(covariance, D[:n]))
-        found = discriminability(at(D), np.zeros_like, n / 10, sampling, nuisance=Nuisance(at(g), 0.7))
+        found = discriminability(at(D), np.zeros_like, n / 10, sampling, nuisances=[Nuisance(at(g), 0.7)])
         assert found == pytest.approx(expected, rel=1e-12)
 
 

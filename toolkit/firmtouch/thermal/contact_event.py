@@ -8,6 +8,7 @@ neglected after the touch, an error of h_air/h. A constant heater power adds not
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -54,7 +55,7 @@ class Pulse:
             raise ThermalValueError("pulse duration", self.duration, "positive (`inf` is a step)")
 
 
-def pulse_response(stack: Stack, front: Front, pulse: Pulse, t: ArrayLike) -> Array:
+def pulse_response(stack: Stack, front: Front | Sequence[Front], pulse: Pulse, t: ArrayLike) -> Array:
     """Give the sensed plane's deviation (K) for a pulse; between half-spaces 2 q sqrt(t/pi) / (e_s + e_o) (3.3).
 
     It feels e_o without a temperature difference. With one, the contact's response adds.
@@ -68,7 +69,7 @@ def pulse_response(stack: Stack, front: Front, pulse: Pulse, t: ArrayLike) -> Ar
     after = times > pulse.duration
     if after.any():
         found = found.copy()
-        found[after] -= risen(times[after] - pulse.duration)
+        found[..., after] -= risen(times[after] - pulse.duration)
     return pulse.power * found
 
 

@@ -1,13 +1,15 @@
 """Which objects a fingertip can tell apart, and how well it knows an effusivity: d' and Fisher's bound.
 
-Samples at k/rate, k >= 1, carry white noise of standard deviation `noise`. What is not known of the contact is a
-nuisance: ln h has a prior of some spread, and with g = d theta/d ln h the noise's covariance grows by spread^2 g g^T.
-Everything else is known, so that no detector can do better.
+Samples at k/rate, k >= 1, carry white noise of standard deviation `noise`. What is not known of the touch is a
+nuisance: ln h has a prior of some spread, and with g = d theta/d ln h the noise's covariance grows by spread^2 g g^T;
+a second one, such as the object's temperature, adds its own. Everything else is known, so that no detector can do
+better.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -50,25 +52,36 @@ class Nuisance:
             raise ThermalValueError("nuisance's spread", self.spread, "zero or a positive number")
 
 
-def _d_primes(difference: Array, sampling: Sampling, times: Array, nuisance: Nuisance | None) -> Array:
-    """Give d' after each sample: d'^2 = D^T (noise^2 I + spread^2 g g^T)^-1 D, by Sherman and Morrison's formula."""
-    variance = sampling.noise**2
-    squared = np.cumsum(difference**2) / variance
-    if nuisance is not None and nuisance.spread:
-        g = nuisance.sensitivity(times)
-        shared = np.cumsum(difference * g) / variance
-        squared = squared - shared**2 / (1 / nuisance.spread**2 + np.cumsum(g**2) / variance)
+def d_primes(difference: Array, spreads: Array, noise: float) -> Array:
+    """Give d' after each of n samples: d'^2 = D^T (noise^2 I + G^T G)^-1 D, by Woodbury's formula.
+
+    `difference` D (n) is that of two responses, and each row of `spreads` G (k x n) what a standard deviation of one
+    nuisance does to the samples.
+    """
+    D, G = difference / noise, spreads / noise
+    squared = np.cumsum(D**2)
+    if G.size:
+        shared = np.cumsum(G * D, axis=1).T[..., np.newaxis]
+        known = np.cumsum(G[:, np.newaxis] * G, axis=2).transpose(2, 0, 1) + np.eye(len(G))
+        squared = squared - (shared * np.linalg.solve(known, shared)).sum(axis=(1, 2))
     return np.asarray(np.sqrt(np.maximum(0, squared)))
 
 
+def _told_apart(
+    first: Response, second: Response, times: Array, sampling: Sampling, nuisances: Sequence[Nuisance]
+) -> Array:
+    spreads = np.array([each.spread * each.sensitivity(times) for each in nuisances if each.spread])
+    return d_primes(first(times) - second(times), spreads, sampling.noise)
+
+
 def discriminability(
-    first: Response, second: Response, until: float, sampling: Sampling, *, nuisance: Nuisance | None = None
+    first: Response, second: Response, until: float, sampling: Sampling, *, nuisances: Sequence[Nuisance] = ()
 ) -> float:
-    """Give d' of two responses that are seen until a time (s)."""
+    """Give d' of two responses that are seen until a time (s), whatever the nuisances are."""
     times = sampling.times(until)
     if not times.size:
         return 0.0
-    return float(_d_primes(first(times) - second(times), sampling, times, nuisance)[-1])
+    return float(_told_apart(first, second, times, sampling, nuisances)[-1])
 
 
 def time_to_discriminate(
@@ -77,13 +90,13 @@ def time_to_discriminate(
     window: float,
     sampling: Sampling,
     *,
-    nuisance: Nuisance | None = None,
+    nuisances: Sequence[Nuisance] = (),
     enough: float = ENOUGH,
 ) -> float:
     """Give the first sample's time (s) at which d' >= `enough`; `inf` if there is none within the window (s)."""
     require_positive(enough=enough)
     times = sampling.times(window)
-    told = _d_primes(first(times) - second(times), sampling, times, nuisance) >= enough if times.size else times
+    told = _told_apart(first, second, times, sampling, nuisances) >= enough if times.size else times
     return float(times[np.argmax(told)]) if told.any() else math.inf
 
 
@@ -129,5 +142,5 @@ def effusivity_spread(
     `conductance_spread` is the prior's standard deviation of ln h: 0.3 for a contact known to 30 %, 0 for a known one.
     """
     nuisance = Nuisance(conductance_sensitivity(event), conductance_spread)
-    found = discriminability(effusivity_sensitivity(event), np.zeros_like, until, sampling, nuisance=nuisance)
+    found = discriminability(effusivity_sensitivity(event), np.zeros_like, until, sampling, nuisances=[nuisance])
     return 1 / found if found else math.inf

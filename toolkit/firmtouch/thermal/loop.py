@@ -6,6 +6,7 @@ object disturbs the sensed plane by T_c(s) dV, so the heater gives p = -K F T_c 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -74,13 +75,13 @@ class Loop:
         return np.asarray(np.exp(-s * self.dead_time) / (1 + self.sensor_lag * s))
 
 
-def loop_transfer(stack: Stack, front: Front, loop: Loop, s: ArrayLike) -> Complex:
+def loop_transfer(stack: Stack, front: Front | Sequence[Front], loop: Loop, s: ArrayLike) -> Complex:
     """Give L(s) = K Z_p F, with an object before the fingertip or without."""
     s = np.asarray(s, dtype=np.complex128)
     return loop.controller(s) * heater_transfer(stack, front, s, heater=loop.heater) * loop.sensor(s)
 
 
-def power_transfer(stack: Stack, touch: Touch, loop: Loop, s: ArrayLike) -> Complex:
+def power_transfer(stack: Stack, touch: Touch | Sequence[Touch], loop: Loop, s: ArrayLike) -> Complex:
     """Give the heater's p''/dV (W/m2K), times 1/s for the step at contact."""
     s = np.asarray(s, dtype=np.complex128)
     driven = loop.controller(s) * loop.sensor(s)
@@ -88,7 +89,7 @@ def power_transfer(stack: Stack, touch: Touch, loop: Loop, s: ArrayLike) -> Comp
     return np.asarray(-driven * contact_transfer(stack, touch, s).sensed / (1 + driven * passage))
 
 
-def temperature_transfer(stack: Stack, touch: Touch, loop: Loop, s: ArrayLike) -> Complex:
+def temperature_transfer(stack: Stack, touch: Touch | Sequence[Touch], loop: Loop, s: ArrayLike) -> Complex:
     """Give theta/dV of the sensed plane in closed loop: T_c / (1 + L)."""
     s = np.asarray(s, dtype=np.complex128)
     return np.asarray(contact_transfer(stack, touch, s).sensed / (1 + loop_transfer(stack, touch, loop, s)))
@@ -151,13 +152,26 @@ def oscillating_poles(stack: Stack, front: Front, loop: Loop) -> tuple[complex, 
     return tuple(complex(each) for each in found[np.argsort(-found.real / np.abs(found))])
 
 
-def _invert_loop(stack: Stack, touch: Touch, loop: Loop, transform: Transfer, t: Array) -> Array:
-    """Invert by Euler's method, after all refusals."""
+def require_followable(stack: Stack, touch: Touch, loop: Loop, t: Array) -> None:
+    """Refuse a loop that grows, or that still rings where Euler's method cannot follow it any more.
+
+    Raises
+    ------
+    LoopUnstableError
+        If the loop with the object is unstable.
+    LoopRingsError
+        If it oscillates longer than Euler's method can follow.
+    """
     require_stable(stack, touch, loop)
     for pole in oscillating_poles(stack, touch, loop):
         rings = (pole.imag * t > FOLLOWED) & (np.exp(np.minimum(0, pole.real * t)) > ACCURATE_WITH_DEAD_TIME)
         if rings.any():
             raise LoopRingsError(pole, float(t[rings].min()))
+
+
+def _invert_loop(stack: Stack, touch: Touch, loop: Loop, transform: Transfer, t: Array) -> Array:
+    """Invert by Euler's method, after all refusals."""
+    require_followable(stack, touch, loop, t)
     tolerance = ACCURATE_WITH_DEAD_TIME if loop.dead_time else ACCURATE
     return invert(transform, t, method=Inversion.EULER, tolerance=tolerance)
 

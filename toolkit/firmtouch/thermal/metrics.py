@@ -157,3 +157,55 @@ def measure(sampled: Sampled, metric: Metric) -> RiseTime:
         window=float(sampled.t[-1]),
         monotone=sampled.monotone,
     )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rises:
+    """Rise times of many responses at once, one row for each; the fields are those of `RiseTime`.
+
+    A response that is nothing, or no number, has an end value of zero and an infinite rise time.
+    """
+
+    seconds: Array
+    start: Array
+    end: Array
+    end_value: Array
+
+
+DENSER = 8
+"""Between two samples, a spline over ln t is looked at this often; crossings lie on lines between."""
+
+
+def rises(t: Array, values: Array, metric: Metric) -> Rises:
+    """Measure responses (one row each) that are sampled at the times t (s), evenly in their logarithm.
+
+    With 50 samples a decade, what it gives is within 2e-5 of `rise_time`; with 12, within 1e-3.
+    """
+    from scipy.interpolate import make_interp_spline
+
+    x = np.log(t)
+    dense = np.linspace(x[0], x[-1], DENSER * (t.size - 1) + 1)
+    clean = np.where(np.isfinite(values), values, 0.0)
+    smooth = make_interp_spline(x, clean, k=min(3, t.size - 1), axis=1)(dense)
+    rows = np.arange(len(smooth))
+    end_value = smooth[rows, np.abs(smooth).argmax(axis=1)]
+    felt = (end_value != 0) & np.isfinite(values).all(axis=1)
+    share = smooth / np.where(felt, end_value, 1.0)[:, np.newaxis]
+    start, end = (_first_times(dense, share, level) for level in LEVELS[metric])
+    return Rises(
+        seconds=np.where(felt, end - start, math.inf),
+        start=np.where(felt, start, math.inf),
+        end=np.where(felt, end, math.inf),
+        end_value=np.where(felt, end_value, 0.0),
+    )
+
+
+def _first_times(x: Array, share: Array, level: float) -> Array:
+    """Give where each row first reaches a level, as e^x; 0 where it is there at once."""
+    reached = share >= level
+    after = np.where(reached.any(axis=1), reached.argmax(axis=1), 0)
+    rows, before = np.arange(len(share)), np.maximum(after - 1, 0)
+    low, high = share[rows, before], share[rows, after]
+    part = (level - low) / np.where(high > low, high - low, 1.0)
+    found = np.exp(x[before] + (x[after] - x[before]) * part)
+    return np.where((level <= 0) | (after == 0), 0.0, found)

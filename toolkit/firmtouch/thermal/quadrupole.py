@@ -8,6 +8,8 @@ Contacts have (R, Y) = (1/h, 0) and films (0, s C'').
 
 All functions take complex s of any shape, off the negative real axis, where the poles are. Those without a half-space
 hold at s = 0 too, which is the steady state. Temperatures are deviations from the steady state before.
+
+Where one touch is expected, several may be given: what is found has one more axis then, the first, for them.
 """
 
 from __future__ import annotations
@@ -170,7 +172,17 @@ class ContactTransfer:
     flux: Complex
 
 
-def contact_transfer(stack: Stack, touch: Touch, s: ArrayLike, *, plane: int | None = None) -> ContactTransfer:
+def _side_by_side(ends: Front | TouchedObject | Sequence[Front | TouchedObject], s: Complex) -> Port:
+    """Look at one end, or at several along a first axis."""
+    if not isinstance(ends, Sequence):
+        return port_of(ends, s)
+    ports = [port_of(each, s) for each in ends]
+    return Port(np.stack([each.u for each in ports]), np.stack([each.v for each in ports]))
+
+
+def contact_transfer(
+    stack: Stack, touch: Touch | Sequence[Touch], s: ArrayLike, *, plane: int | None = None
+) -> ContactTransfer:
     """Give theta/dV and q''/dV: Z_s / (Z_s + 1/h + Z_o) times the plane transfers, and 1 / (Z_s + 1/h + Z_o).
 
     Raises
@@ -182,8 +194,13 @@ def contact_transfer(stack: Stack, touch: Touch, s: ArrayLike, *, plane: int | N
     plane = stack.sensed if plane is None else plane
     stack.check_plane(plane)
     way = _way(stack.elements, port_of(stack.backing, s), s)
-    back, touched = way.ports[0], port_of(touch.object, s)
-    whole = back.u * touched.v + back.v * (touched.v / touch.conductance + touched.u)
+    back = way.ports[0]
+    if isinstance(touch, Sequence):
+        touched = _side_by_side([each.object for each in touch], s)
+        resistance: Array | float = np.array([1 / each.conductance for each in touch]).reshape(-1, *[1] * s.ndim)
+    else:
+        touched, resistance = port_of(touch.object, s), 1 / touch.conductance
+    whole = back.u * touched.v + back.v * (touched.v * resistance + touched.u)
     face = back.u * touched.v / whole
     return ContactTransfer(
         sensed=face * way.passed(plane),
@@ -194,7 +211,7 @@ def contact_transfer(stack: Stack, touch: Touch, s: ArrayLike, *, plane: int | N
 
 
 def heater_transfer(
-    stack: Stack, front: Front, s: ArrayLike, *, heater: int | None = None, plane: int | None = None
+    stack: Stack, front: Front | Sequence[Front], s: ArrayLike, *, heater: int | None = None, plane: int | None = None
 ) -> Complex:
     """Give theta/P'' (m2K/W) at a plane for the power P'' (W/m2) at the heater's: (Z_front || Z_back), carried on.
 
@@ -211,7 +228,7 @@ def heater_transfer(
     stack.check_plane(heater, "heater's plane")
     stack.check_plane(plane)
     behind = _way(stack.elements[heater:], port_of(stack.backing, s), s)
-    before = _way(stack.elements[:heater][::-1], port_of(front, s), s)
+    before = _way(stack.elements[:heater][::-1], _side_by_side(front, s), s)
     f, b = before.ports[0], behind.ports[0]
     both = f.u * b.u / (f.u * b.v + f.v * b.u)
     if plane >= heater:

@@ -126,6 +126,9 @@ class RequirementsSpec(Section):
     power: PowerSpec | None = None
     self_heating: Excess | None = Field(None, description="largest rise of the sensed film by its own current")
     feedback: Ratio | None = Field(None, description="largest P |alpha_R|/delta of the sensed film; at 1 it runs away")
+    loop_margin: Ratio | None = Field(
+        None, description="least distance of the loop's L from -1, at most 1; 0.5 is a usual one"
+    )
     recovery: Duration | None = Field(None, description="longest time until it can feel again after release")
     pitch: Length | None = Field(None, description="largest distance of neighbours")
     thickness: Length | None = Field(None, description="largest of the whole stack")

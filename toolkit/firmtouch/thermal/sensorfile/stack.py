@@ -8,10 +8,10 @@ from typing import Annotated, Any, Final
 from pydantic import Field, StrictBool, ValidationInfo, model_validator
 
 from firmtouch.modelfile.expression import Problem
-from firmtouch.modelfile.fields import Checked, Label, refuse
+from firmtouch.modelfile.fields import QUANTITY_SCHEMA, Checked, Label, read_all, refuse
 from firmtouch.modelfile.sections.section import Section, ShortSection
 from firmtouch.modelfile.words import did_you_mean, shown
-from firmtouch.thermal.fields import Conductance, Length, amount, read_name
+from firmtouch.thermal.fields import Conductance, Length, amount, read_name, reader
 from firmtouch.thermal.tables.catalogue import Catalogue
 from firmtouch.thermal.tables.rows import MaterialName, known_to
 from firmtouch.thermal.tables.values import REFERENCE, Part
@@ -21,16 +21,33 @@ ArealCapacity = Annotated[
     float, amount("J/m^2/K", least=1e-9, most=1e7, zero="a film without a capacity; mark a layer as `sensed` instead")
 ]
 ELECTRICAL: Final = ("resistance", "B", "coefficient")
+STEINHART_HART: Final = "three plain numbers a, b, c were expected, of 1/T = a + b ln R + c (ln R)^3 in K and ohm"
 
 
 @dataclass(frozen=True, slots=True)
 class SensingElement:
-    """What is felt with: `resistance` in ohm at `at` in K, and either `B` in K or `coefficient` in 1/K."""
+    """What is felt with: `resistance` in ohm at `at` in K, and either `B` in K or `coefficient` in 1/K.
 
-    resistance: float
-    at: float
-    B: float | None
-    coefficient: float | None
+    Or, instead of all these, the coefficients of Steinhart and Hart.
+    """
+
+    resistance: float = 0.0
+    at: float = REFERENCE
+    B: float | None = None
+    coefficient: float | None = None
+    steinhart_hart: tuple[float, float, float] | None = None
+
+
+def _steinhart_hart(raw: object, info: ValidationInfo) -> tuple[float, float, float]:  # noqa: ARG001  # pydantic's
+    """Read a, b and c, of a thermistor whose resistance falls over all of its range."""
+    if not isinstance(raw, list) or len(raw) != 3:
+        refuse(Problem(STEINHART_HART))
+    a, b, c = read_all(enumerate(raw), lambda _, each: _PLAIN(each)).values()
+    return a, b, c
+
+
+_PLAIN: Final = reader("1", most=1.0, zero=None)
+_THREE: Final[dict[str, Any]] = {"type": "array", "items": QUANTITY_SCHEMA, "minItems": 3, "maxItems": 3}
 
 
 def read_part(raw: object, info: ValidationInfo) -> str:
@@ -68,6 +85,9 @@ class FilmSpec(Section):
     coefficient: Annotated[float, amount("1/K", least=1e-5, most=0.1)] | None = Field(
         None, description="(dR/dT)/R of a metal film"
     )
+    steinhart_hart: Annotated[tuple[float, float, float], Checked(_steinhart_hart, _THREE)] | None = Field(
+        None, description="[a, b, c] of a thermistor, instead of all these: 1/T = a + b ln R + c (ln R)^3"
+    )
 
     @model_validator(mode="after")
     def _one_way(self, info: ValidationInfo) -> FilmSpec:
@@ -97,6 +117,11 @@ class FilmSpec(Section):
                 refuse(Problem(message, path=(name,), at_key=True))
             if not low <= given <= high:
                 refuse(Problem(f"the parts of this family have {low:g} to {high:g}", path=(name,)))
+        for name in ELECTRICAL if self.steinhart_hart is not None else ():
+            if getattr(self, name) is not None:
+                refuse(Problem(f"`steinhart_hart` is given; `{name}` says it again", path=(name,), at_key=True))
+        if self.steinhart_hart is not None and part is not None and part.kind != "ntc":
+            refuse(Problem("only an ntc has `steinhart_hart`", path=("steinhart_hart",), at_key=True))
         metal = self.coefficient is not None or (part is not None and part.kind != "ntc")
         if self.B is not None and metal:
             refuse(Problem("a metal has a `coefficient` and no `B`", path=("B",), at_key=True))
@@ -124,6 +149,8 @@ class FilmSpec(Section):
 
     def element(self, part: Part | None) -> SensingElement | None:
         """Give what is felt with: the row's of a part, and the film's own where that tells none; else None."""
+        if self.steinhart_hart is not None:
+            return SensingElement(steinhart_hart=self.steinhart_hart)
         resistance, at, B, coefficient = self.resistance, REFERENCE, self.B, self.coefficient
         if part is not None:
             if resistance is None:

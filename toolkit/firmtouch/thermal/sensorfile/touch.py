@@ -129,3 +129,6 @@ class TemperaturesSpec(Section):
     sensor: Temperature = Field(description="of the touched face: what the heater holds it at")
     base: Temperature | None = Field(None, description="of the backing, by default the sensor's")
     ambient: Temperature | None = Field(None, description="of the air around, by default the object's")
+    prior: Annotated[float, amount("K", most=100, zero=None)] = Field(
+        0.0, description="standard deviation of the object's temperature, where it is not known in use"
+    )

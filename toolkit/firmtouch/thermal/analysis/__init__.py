@@ -1,0 +1,33 @@
+"""What a sensor does: its signals, what it tells apart, its heat, what it reaches of what is asked, and what binds."""
+
+from firmtouch.thermal.analysis.analyse import Analysis, ScenarioResponse, analyse
+from firmtouch.thermal.analysis.binding import Binding, Relief
+from firmtouch.thermal.analysis.felt import Felt, Fineness, feel, loop_margin
+from firmtouch.thermal.analysis.heat import Heat, Release, heat, hold_power, recovery_times, release
+from firmtouch.thermal.analysis.neighbours import Crosstalk
+from firmtouch.thermal.analysis.outcomes import Outcome
+from firmtouch.thermal.analysis.telling import Grade, Pair, grade, tell_pairs
+
+__all__ = [
+    "Analysis",
+    "Binding",
+    "Crosstalk",
+    "Felt",
+    "Fineness",
+    "Grade",
+    "Heat",
+    "Outcome",
+    "Pair",
+    "Release",
+    "Relief",
+    "ScenarioResponse",
+    "analyse",
+    "feel",
+    "grade",
+    "heat",
+    "hold_power",
+    "loop_margin",
+    "recovery_times",
+    "release",
+    "tell_pairs",
+]

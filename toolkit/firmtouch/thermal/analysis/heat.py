@@ -1,0 +1,167 @@
+"""The heat that a sensor takes: to be warm, while it touches, and until it is warm again."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from firmtouch.thermal.arrays import Array, Complex
+from firmtouch.thermal.inversion import euler, step
+from firmtouch.thermal.loop import Loop, power_response
+from firmtouch.thermal.quadrupole import ContactTransfer, contact_transfer, heater_transfer
+from firmtouch.thermal.sensor import HeldPower, HeldTemperature, Pulsed, Sensor
+from firmtouch.thermal.stack import Base, Touch
+
+RESIDUE: Final = 0.1
+"""A sensor can feel again when what is left of a touch is below this share of its signal."""
+KNOTS: Final = 81
+"""Of a touch's heat flow, between which it is followed."""
+DECADES: Final = 5.0
+"""Of the touch's duration: where its heat flow is resolved, before the release and after the touch."""
+LONGEST: Final = 1e4
+"""Times the touch: a recovery that takes longer counts as none."""
+
+
+@dataclass(frozen=True, slots=True)
+class Heat:
+    """A pad's heater power by area (W/m2): `hold` untouched, and the `most` and `least` in all scenarios' windows.
+
+    `hottest` (K) is the highest temperature of the touched face. A loop whose `least` is negative would have to cool.
+    """
+
+    hold: float
+    most: float
+    least: float
+    most_in: str
+    hottest: float
+
+
+def hold_power(sensor: Sensor) -> float:
+    """Give P'' (W/m2) that holds the touched face at its temperature, untouched, between the base and the air."""
+    at = sensor.temperatures
+    rest = np.zeros(1)
+    with np.errstate(invalid="ignore"):
+        by_air = contact_transfer(sensor.stack, Touch(Base(), sensor.front.conductance), rest, plane=0).sensed
+        by_power = heater_transfer(sensor.stack, sensor.front, rest, heater=sensor.heater, plane=0)
+    share = float(by_air[0].real)
+    return (at.face - share * at.ambient - (1 - share) * at.base) / float(by_power[0].real)
+
+
+def heat(sensor: Sensor, t: Array, values: Array) -> Heat:
+    """Give the powers of a sensor whose signals at times t are `values`, one row for each scenario."""
+    hold, drive, hottest = hold_power(sensor), sensor.drive, sensor.temperatures.face
+    most, least, where = hold, hold, ""
+    match drive:
+        case HeldTemperature():
+            powers = values if drive.reads_power else _powers(sensor, drive.loop, t)
+            i = int(powers.max(axis=1).argmax())
+            most, least = hold + max(0.0, float(powers.max())), hold + min(0.0, float(powers.min()))
+            where = sensor.scenarios[i].words if powers.max() > 0 else ""
+        case HeldPower(power=power) if power is not None:
+            most = least = power
+        case Pulsed(pulse=pulse):
+            most = hold + pulse.power
+            end = np.array([min(pulse.duration, float(t[-1]))])
+            risen = step(lambda s: heater_transfer(sensor.stack, sensor.front, s, heater=sensor.heater, plane=0), end)
+            hottest += max(0.0, pulse.power * float(risen[0]))
+        case _:
+            hottest = max(hottest, getattr(drive, "second", hottest))
+    return Heat(hold, most, least, where, hottest)
+
+
+def _powers(sensor: Sensor, loop: Loop, t: Array) -> Array:
+    difference = sensor.temperatures.difference
+    return difference * np.array([power_response(sensor.stack, each, loop, t) for each in sensor.touches])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Release:
+    """What is left of the signal after a touch: `values` at the times t (s) since the release."""
+
+    t: Array
+    values: Array
+
+
+def release(sensor: Sensor, touches: Sequence[Touch], duration: float, *, knots: int = KNOTS) -> Release:
+    """Follow the signal after touches of a duration (s), one row each; a loop goes on holding.
+
+    The face takes up the flux q''(t) until the release, whatever made it (substitution theorem), so the signal after it
+    is that of the untouched network: with S(t) for a step of flux, the sum of q_i (S(t - t_i) - S(t - t_i+1)) over
+    intervals in each of which q'' is taken at its middle.
+    """
+    from scipy.interpolate import make_interp_spline
+
+    ends = duration * np.concatenate([[0.0], np.logspace(-DECADES, 0, knots)])
+    q = flux_into(sensor, touches, (ends[1:] + ends[:-1]) / 2)
+    since = duration * np.logspace(-DECADES, math.log10(LONGEST), knots * 3 // 2)
+    t = np.geomspace(since[0], (duration + since[-1]) * 1.001, 3 * knots)
+    S = make_interp_spline(np.log(t), _untouched_step(sensor, t), k=3)
+    steps = S(np.log(duration + since[:, np.newaxis] - ends))  # times by ends
+    return Release(since, -q @ np.diff(steps, axis=1).T)
+
+
+def flux_into(sensor: Sensor, touches: Sequence[Touch], t: Array) -> Array:
+    """Give q'' (W/m2) into the touched face after touches, at times t (s), with what the drive does meanwhile."""
+    stack, difference, heater = sensor.stack, sensor.temperatures.difference, sensor.heater
+
+    def lost(s: Complex, found: ContactTransfer) -> Complex:
+        """Give the flux out of the face per heater power: theta_face/(1/h + Z_o)."""
+        face = heater_transfer(stack, touches, s, heater=heater, plane=0)
+        return np.asarray(face * found.flux / (1 - found.face))
+
+    def held(loop: Loop, s: Complex) -> Complex:
+        found, driven = contact_transfer(stack, touches, s), loop.controller(s) * loop.sensor(s)
+        power = -driven * found.sensed / (1 + driven * heater_transfer(stack, touches, s, heater=heater))
+        return np.asarray((found.flux - lost(s, found) * power) / s)
+
+    match sensor.drive:
+        case HeldTemperature(loop=loop):
+            return difference * euler(lambda s: held(loop, s), t)
+        case Pulsed(pulse=pulse):
+            found = difference * step(lambda s: contact_transfer(stack, touches, s).flux, t)
+            return found - pulse.power * step(lambda s: lost(s, contact_transfer(stack, touches, s)), t)
+        case _:
+            return difference * step(lambda s: contact_transfer(stack, touches, s).flux, t)
+
+
+def _untouched_step(sensor: Sensor, t: Array) -> Array:
+    """Give the untouched signal of a step of flux into the face."""
+
+    def open_loop(s: Complex) -> Complex:
+        return heater_transfer(sensor.stack, sensor.front, s, heater=0)
+
+    match sensor.drive:
+        case HeldTemperature(loop=loop, reads_power=reads_power):
+
+            def closed(s: Complex) -> Complex:
+                driven = loop.controller(s) * loop.sensor(s)
+                passage = heater_transfer(sensor.stack, sensor.front, s, heater=loop.heater)
+                return np.asarray((-driven if reads_power else 1) * open_loop(s) / (1 + driven * passage) / s)
+
+            return euler(closed, t)
+        case _:
+            return step(open_loop, t)
+
+
+def recovery_times(
+    sensor: Sensor, touches: Sequence[Touch], duration: float, end_values: Array, *, knots: int = KNOTS
+) -> Array:
+    """Give the times (s) after release until what is left of each signal stays below a tenth of its end value."""
+    after = release(sensor, touches, duration, knots=knots)
+    share = np.abs(after.values) / np.abs(np.where(end_values == 0, np.inf, end_values))[:, np.newaxis]
+    found = np.zeros(len(touches))
+    for i, each in enumerate(share):
+        above = np.flatnonzero(each > RESIDUE)
+        if not above.size:
+            continue
+        last = int(above[-1])
+        if last + 1 == each.size:
+            found[i] = math.inf
+            continue
+        x = np.interp(-RESIDUE, [-each[last], -each[last + 1]], np.log(after.t[last : last + 2]))
+        found[i] = math.exp(float(x))
+    return found

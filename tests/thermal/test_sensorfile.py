@@ -44,6 +44,7 @@ requirements:
   power: {pad: 0.2 W, array: 60 W}
   self_heating: 0.1 K
   feedback: 5 %
+  loop_margin: 0.5
   recovery: 1 s
   pitch: 2 mm
   thickness: 2 mm

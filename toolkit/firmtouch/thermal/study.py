@@ -1,4 +1,4 @@
-"""A sensor file -> a `Study`: the sensor as it is, or, where the file has a `search:` section, the best that is found."""
+"""A sensor file -> a `Study`: of the sensor as it is, or, where the file has a `search:` section, of the best found."""
 
 from __future__ import annotations
 

@@ -15,6 +15,7 @@ from tests.benchmarks import (
     six_joints,
     spatial_six_joints,
     start,
+    thermal_search,
     thermal_speed,
     tree_speed,
 )
@@ -36,6 +37,7 @@ def main() -> int:
         simulation_speed,
         montecarlo_speed,
         thermal_speed,
+        thermal_search,
     )
     for benchmark in chosen:
         for each in benchmark.figures():

@@ -347,8 +347,48 @@ ADDED = {
     "search of an unknown mode": (f"search: {{objective: power, drive: {{mode: [puls, {MARK}pulse]}}}}".replace(f"puls, {MARK}", f"{MARK}puls, "), "did you mean `pulse`?"),
     "an unknown objective": (f"search: {{objective: {MARK}raise_time, contact: {{nominal: [1, 2]}}}}", "did you mean `rise_time`?"),
     "a front of one": (f"search: {{objective: power, front: {MARK}[power], contact: {{nominal: [1, 2]}}}}", "two or three different objectives"),
+    "search of a loop without a gain": (f"search: {{objective: power, drive: {{mode: [{MARK}constant_temperature]}}}}", "needs a `loop_gain`, in `drive` or in `search: drive`"),
+    "search of a pulse without power": (f"search: {{objective: power, drive: {{mode: [{MARK}pulse]}}}}", "needs a `power` or a `flux`, in `drive` or in `search: drive`"),
+    "search of a pad's power": (f"search: {{objective: power, drive: {{{MARK}power: [1 mW, 2 mW]}}}}", "the `power` of a pad needs a `pad`"),
+    "search of bits of nothing": (f"electronics: {{sampling: 1 kHz, temperature_noise: 1 mK}}\nsearch: {{objective: power, electronics: {{{MARK}adc_bits: [12, 16]}}}}", "have no `adc_range`"),
+    "search of a voltage of nothing": (f"electronics: {{sampling: 1 kHz, temperature_noise: 1 mK}}\nsearch: {{objective: power, electronics: {{{MARK}bridge_voltage: [1 V, 2 V]}}}}", "have no `bridge_voltage`"),
     "discrimination of nothing": (f"search: {{objective: {MARK}discrimination, contact: {{nominal: [1, 2]}}}}", "say in `requirements: discrimination` of which pairs"),
 }  # fmt: skip
+
+
+FELT = (
+    SMALL.replace(", sensed: true", "").replace(
+        "stack:", "stack:\n  - {film: {capacity: 1 J/m^2/K, FELT}, sensed: true}"
+    )
+    + "electronics: {sampling: 1 kHz, bridge_voltage: 0.1 V}\n"
+)
+
+
+class TestWhatAFilmFeelsWith:
+    def test_the_coefficients_of_steinhart_and_hart(self):
+        text = FELT.replace("FELT", "steinhart_hart: [1.129e-3, 2.341e-4, 8.775e-8]")
+        VALIDATOR.validate(load(text))
+        element = read(text).spec.stack[0].film.element(None)
+        assert element.steinhart_hart == pytest.approx((1.129e-3, 2.341e-4, 8.775e-8))
+
+    @pytest.mark.parametrize(
+        ("felt", "message"),
+        [
+            ("steinhart_hart: [1e-3, 2e-4]", "three plain numbers a, b, c were expected"),
+            ("steinhart_hart: [1e-3, 2e-4, 9e-8], B: 3435 K", "`steinhart_hart` is given; `B` says it again"),
+            ("steinhart_hart: [1e-3 K, 2e-4, 9e-8]", "a plain number"),
+        ],
+    )
+    def test_other_coefficients_are_refused(self, felt, message):
+        found = told(FELT.replace("FELT", felt))
+        assert len(found) == 1, found
+        assert message in found[0]
+
+    @pytest.mark.parametrize("name", ["self_heating: 0.1 K", "feedback: 5 %"])
+    def test_its_own_heat_needs_its_size(self, name):
+        text = FELT.replace("FELT", "resistance: 100 ohm, coefficient: 0.4 %/K") + f"requirements: {{{name}}}\n"
+        assert "needs the size of the sensed film: a `pad`" in "".join(told(text))
+        assert read(text + "pad: {radius: 1 mm}\n").spec.requirements.asked == (name.partition(":")[0],)
 
 
 class TestMistakes:

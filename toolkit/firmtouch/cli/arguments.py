@@ -17,6 +17,7 @@ EXAMPLES = """examples:
   firmtouch simulate reports/polisher       does it do that on the nonlinear mechanism?
   firmtouch verify reports/polisher/certificate.json --model polisher.yaml
   firmtouch montecarlo reports/polisher     a thousand drawn starts, parameters and disturbances
+  firmtouch thermal fingertip.yaml          the fingertip that feels heat: how fast, and what limits it
 
 exit codes: 0 good, 1 the answer is no, 2 the question was wrong"""
 
@@ -33,7 +34,16 @@ def build_parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action=_Version, help="show the version and exit")
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
-    for add in (_add_design, _add_simulate, _add_montecarlo, _add_check, _add_verify, _add_new, _add_schema):
+    for add in (
+        _add_design,
+        _add_simulate,
+        _add_montecarlo,
+        _add_check,
+        _add_verify,
+        _add_thermal,
+        _add_new,
+        _add_schema,
+    ):
         add(commands)
     for each in commands.choices.values():
         each.add_argument("-v", "--verbose", action="store_true", help="say what is done behind the scenes, on stderr")
@@ -157,6 +167,26 @@ def _add_verify(commands: Commands) -> None:
     verify.set_defaults(run=_command("verify"))
 
 
+_THERMAL = (
+    "Analyse a heated fingertip of layers, or, where the file has a `search:` section, design it: rise times, what it "
+    "tells apart, its heat, and what binds where a requirement is not met. Writes thermal.json, responses.csv, "
+    "report.html and report.pdf, and of a design sensor.yaml; exit code 1 if a requirement is not met."
+)
+
+
+def _add_thermal(commands: Commands) -> None:
+    thermal = commands.add_parser("thermal", help="analyse or design a fingertip that feels heat", description=_THERMAL)
+    thermal.add_argument("sensor", metavar="SENSOR", help="a sensor file (YAML)")
+    thermal.add_argument(
+        "--catalogue", action="append", default=[], metavar="FILE", help="more materials, parts and contacts (YAML)"
+    )
+    thermal.add_argument("--out", metavar="DIR", help="where to write (default: reports/<sensor>)")
+    thermal.add_argument("--json", action="store_true", help="print thermal.json on stdout instead of words")
+    thermal.add_argument("--jobs", metavar="N", type=int, help="processes of a search (default: one for each core)")
+    thermal.add_argument("--no-pdf", action="store_true", help="leave out report.pdf")
+    thermal.set_defaults(run=_command("thermal"))
+
+
 _NEW = "Write NAME.yaml, a commented model file that works as it is."
 
 
@@ -164,16 +194,23 @@ def _add_new(commands: Commands) -> None:
     new = commands.add_parser("new", help="write a commented model file to start from", description=_NEW)
     new.add_argument("name", metavar="NAME", help="the model's name; NAME.yaml is written, and never overwritten")
     new.add_argument("--urdf", metavar="FILE", help="start from this robot instead of a planar arm")
+    new.add_argument("--sensor", action="store_true", help="write a sensor file for `firmtouch thermal` instead")
     new.add_argument("--tool", metavar="LINK", help="the link of the robot that touches (default: the last one)")
     new.set_defaults(run=_command("new"))
 
 
-_SCHEMA = "Print the JSON Schema of model files (or scenario files), for editors that complete and check YAML."
+_SCHEMA = (
+    "Print the JSON Schema of model files (or of scenario, sensor or catalogue files), for editors that complete and "
+    "check YAML."
+)
 
 
 def _add_schema(commands: Commands) -> None:
     schema = commands.add_parser("schema", help="print the JSON Schema of model files", description=_SCHEMA)
-    schema.add_argument("--scenario", action="store_true", help="that of scenario files instead")
+    which = schema.add_mutually_exclusive_group()
+    which.add_argument("--scenario", action="store_true", help="that of scenario files instead")
+    which.add_argument("--sensor", action="store_true", help="that of sensor files")
+    which.add_argument("--catalogue", action="store_true", help="that of files of materials, parts and contacts")
     schema.set_defaults(run=_command("schema"))
 
 

@@ -25,11 +25,18 @@ def run(arguments: argparse.Namespace) -> int:
     except OSError as error:
         raise InputError(f"{path}: cannot be written ({error.strerror or error})") from error
     sys.stdout.write(f"wrote {path}\n")
-    sys.stderr.write(f"next: firmtouch check {path} && firmtouch design {path}\n")
+    after = f"firmtouch thermal {path}" if arguments.sensor else f"firmtouch check {path} && firmtouch design {path}"
+    sys.stderr.write(f"next: {after}\n")
     return 0
 
 
 def _text(arguments: argparse.Namespace, path: Path) -> str:
+    if arguments.sensor:
+        if arguments.urdf is not None or arguments.tool is not None:
+            raise InputError("a sensor has no robot: `--sensor` goes with neither `--urdf` nor `--tool`")
+        from firmtouch.thermal.sensorfile.template import sensor_template
+
+        return sensor_template(path.stem)
     if arguments.urdf is not None:
         from firmtouch.modelfile.urdf import read_urdf
         from firmtouch.regulation.first_model import first_robot_model

@@ -26,6 +26,8 @@ EVALUATIONS: Final = 2000
 PER_VARIABLE, LEAST_POPULATION, MOST_POPULATION = 5, 16, 40
 CONVERGED: Final = 1e-3
 """Of ln of the objective: a population that differs by less has met in one place."""
+FIRST_STEP, SHORTER, POLISHING = 0.2, 3, 12
+"""Of a compass search: its first step, of a variable's range, what divides it where none is better, and its rounds."""
 BETWEEN: Final = 3
 """Runs of a front between those that make each of its objectives best alone."""
 MISSED: Final = 1e3
@@ -78,6 +80,7 @@ def search(file: SensorFile, *, jobs: int = 1, tell: Tell = lambda _: None) -> S
             _evolve(
                 archive, variables, weigh, np.array(archive.best(weigh).x), seed=spec.seed + 100 + i, share=_share(spec)
             )
+        _polish(archive, variables, objective)
         chosen = _rounded(archive, question, archive.best(objective), spec.objective)
     front = front_of(archive.candidates, spec.front, chosen) if spec.front and archive.met else None
     design = with_values(file.spec, chosen.values).model_copy(update={"requirements": question.asked})
@@ -197,6 +200,20 @@ def _evolve(
         vectorized=True,
         rng=rng,
     )
+
+
+def _polish(archive: _Archive, variables: tuple[Variable, ...], cost: Callable[[Candidate], float]) -> None:
+    """Improve the sizes of the best design by a compass search, which ends in corners where the best lies there."""
+    low, high = np.array([each.bounds for each in variables]).T
+    sizes = [i for i, each in enumerate(variables) if not each.choices and low[i] < high[i]]
+    length, best = FIRST_STEP, archive.best(cost)
+    for _ in range(POLISHING if sizes else 0):
+        moves = np.zeros((2 * len(sizes), len(variables)))
+        moves[range(len(moves)), sizes * 2] = np.repeat([length, -length], len(sizes))
+        archive.try_all(np.clip(np.array(best.x) + moves * (high - low), low, high))
+        before, best = best, archive.best(cost)
+        if best is before:
+            length /= SHORTER
 
 
 def _inside(variables: tuple[Variable, ...], free: list[int]) -> tuple[Array, Array]:

@@ -11,7 +11,7 @@ from pydantic import Field, ValidationInfo, model_validator
 from firmtouch.modelfile.expression import Problem
 from firmtouch.modelfile.fields import Text, refuse
 from firmtouch.modelfile.words import shown
-from firmtouch.thermal.sensorfile.drive import DriveSpec, ElectronicsSpec, PadSpec
+from firmtouch.thermal.sensorfile.drive import USES, DriveSpec, ElectronicsSpec, PadSpec
 from firmtouch.thermal.sensorfile.requirements import WINDOW, RequirementsSpec
 from firmtouch.thermal.sensorfile.search import EntryChoice, SearchSpec
 from firmtouch.thermal.sensorfile.stack import BackingSpec, StackEntry
@@ -184,6 +184,12 @@ class SensorSpec(RowsSpec):
             message = "the sensed film has no `resistance` with a `B` or a `coefficient`; else give `temperature_noise`"
             yield Problem(message, path=("electronics", "bridge_voltage"))
             return
+        part = known.parts.get(film.part or "")
+        sized = film.area is not None or self.pad is not None or (part is not None and part.footprint is not None)
+        for name in ("self_heating", "feedback"):
+            if getattr(self.requirements, name) is not None and not sized and not _unusable(film.part, known):
+                message = f"`{name}` needs the size of the sensed film: a `pad`"
+                yield Problem(message, path=("requirements", name), at_key=True)
         choice = self.search.stack.get(entry.name or "") if self.search is not None else None
         for i, name in enumerate((choice.part if choice is not None else None) or ()):
             if film.element(known.parts.get(name)) is None and not _unusable(name, known):
@@ -216,9 +222,33 @@ class SensorSpec(RowsSpec):
             if pressure is not None and pressure[1] >= heaviest:
                 message = f"contacts are computed for pressures below a tenth of the hardness, {heaviest:g} Pa"
                 yield Problem(message, path=("search", "contact", "pressure", 1))
+        yield from self._what_searched_values_need(search)
         if "discrimination" in (search.objective, *search.front) and self.requirements.discrimination is None:
             message = "to make discrimination best, say in `requirements: discrimination` of which pairs"
             yield Problem(message, path=("search", "objective"))
+
+    def _what_searched_values_need(self, search: SearchSpec) -> Iterator[Problem]:
+        """Hold to what a mode or a converter needs beside it, in the file or in the search."""
+        drive, electronics = search.drive, search.electronics
+        for i, mode in enumerate((drive.mode if drive is not None else None) or ()):
+            for name in USES[mode][0]:
+                if getattr(self.drive, name) is None and getattr(drive, name, None) is None:
+                    message = f"the mode `{mode}` needs a `{name}`, in `drive` or in `search: drive`"
+                    yield Problem(message, path=("search", "drive", "mode", i))
+            heated = any(getattr(each, name) is not None for each in (self.drive, drive) for name in ("power", "flux"))
+            if mode == "pulse" and not heated:
+                message = "the mode `pulse` needs a `power` or a `flux`, in `drive` or in `search: drive`"
+                yield Problem(message, path=("search", "drive", "mode", i))
+        if drive is not None and drive.power is not None and self.pad is None:
+            message = "the `power` of a pad needs a `pad`; without one, search a `flux`"
+            yield Problem(message, path=("search", "drive", "power"), at_key=True)
+        if electronics is None or self.electronics is None:
+            return
+        for name in ("bridge_voltage", "adc_bits"):
+            needed = "bridge_voltage" if name == "bridge_voltage" else "adc_range"
+            if getattr(electronics, name) is not None and getattr(self.electronics, needed) is None:
+                message = f"the file's `electronics` have no `{needed}`, so that this would change nothing"
+                yield Problem(message, path=("search", "electronics", name), at_key=True)
 
 
 def _unusable(part: str | None, known: Known) -> bool:

@@ -37,7 +37,14 @@ drive: {{mode: constant_temperature, loop_gain: 30 kW/m^2/K, sensor_lag: 0.2 ms}
 
 pad: {{radius: 0.5 mm, pitch: 2 mm}}
 
-electronics: {{bridge_voltage: 0.1 V, noise_density: 5 nV/sqrt(Hz), gain: 200, adc_bits: 16, adc_range: 2.5 V, sampling: 1 kHz}}
+# A half-bridge, an amplifier and a converter; or `temperature_noise` as measured.
+electronics:
+  sampling: 1 kHz
+  bridge_voltage: 0.1 V
+  noise_density: 5 nV/sqrt(Hz)
+  gain: 200
+  adc_bits: 16
+  adc_range: 2.5 V
 
 # What is not asked for is still told.
 requirements:

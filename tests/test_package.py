@@ -23,6 +23,8 @@ PARTS = (
     "report",
     "simulation",
     "thermal",
+    "thermal.analysis",
+    "thermal.search",
     "thermal.sensorfile",
     "thermal.tables",
 )

@@ -5,6 +5,8 @@ The walk from a model file to a report, each step a function from value to value
     read_model -> derive_plant -> find_operating_point -> assign_poles -> steady_state_errors -> design_model
                                                                        -> usual_scenarios -> simulate
 
+and that from a sensor file to what a fingertip feels: read_sensor -> study_sensor.
+
 Names are loaded when they are first used, so that importing the package costs nothing.
 """
 
@@ -36,6 +38,8 @@ if TYPE_CHECKING:
     from firmtouch.simulation import Scenario, Trajectory, predict, scenarios_of, simulate, try_out, usual_scenarios
     from firmtouch.synthesis import assign_poles
     from firmtouch.synthesis.region import NoGainsError, RegionDesign, design_region
+    from firmtouch.thermal.sensorfile import SensorFile, parse_sensor, read_sensor
+    from firmtouch.thermal.study import Study, study_sensor
 
 _HOMES: Final = {
     "certificate.certificate": ("Certificate", "certify"),
@@ -65,6 +69,8 @@ _HOMES: Final = {
     ),
     "synthesis": ("assign_poles",),
     "synthesis.region": ("NoGainsError", "RegionDesign", "design_region"),
+    "thermal.sensorfile": ("SensorFile", "parse_sensor", "read_sensor"),
+    "thermal.study": ("Study", "study_sensor"),
 }
 _HOME_OF: Final = {name: home for home, names in _HOMES.items() for name in names}
 
@@ -86,7 +92,9 @@ __all__ = [
     "Plant",
     "RegionDesign",
     "Scenario",
+    "SensorFile",
     "SteadyState",
+    "Study",
     "Subject",
     "Trajectory",
     "assign_poles",
@@ -99,12 +107,15 @@ __all__ = [
     "find_operating_point",
     "parse_model",
     "parse_scenarios",
+    "parse_sensor",
     "predict",
     "read_model",
     "read_scenarios",
+    "read_sensor",
     "scenarios_of",
     "simulate",
     "steady_state_errors",
+    "study_sensor",
     "subject_of",
     "try_out",
     "usual_scenarios",

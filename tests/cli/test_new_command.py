@@ -114,3 +114,18 @@ class TestRobots:
         assert main(["new", "polisher", *arguments]) == 2
         assert told in capsys.readouterr().err
         assert list(tmp_path.iterdir()) == []
+
+
+def test_a_sensor_file_that_works_as_it_is(capsys, tmp_path):
+    assert main(["new", "finger", "--sensor"]) == 0
+    told = capsys.readouterr()
+    assert told.out == "wrote finger.yaml\n"
+    assert told.err == "next: firmtouch thermal finger.yaml\n"
+    assert main(["thermal", "finger.yaml", "--no-pdf"]) == 0
+    assert (tmp_path / "reports" / "finger" / "thermal.json").exists()
+
+
+@pytest.mark.parametrize("more", [["--urdf", "arm.urdf"], ["--tool", "flange"]])
+def test_a_sensor_has_no_robot(capsys, more):
+    assert main(["new", "finger", "--sensor", *more]) == 2
+    assert "a sensor has no robot" in capsys.readouterr().err

@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 import jsonschema
+import pytest
 from ruamel.yaml import YAML
 
 from firmtouch.cli import main
@@ -33,3 +34,13 @@ def test_scenario_files_have_a_schema_of_their_own(capsys):
     validator.validate(data)
     next(iter(data["scenarios"].values()))["controler"] = 17
     assert [each.validator for each in validator.iter_errors(data)] == ["additionalProperties"]
+
+
+@pytest.mark.parametrize(
+    ("option", "title"), [("--sensor", "firmtouch sensor file"), ("--catalogue", "firmtouch catalogue file")]
+)
+def test_the_files_of_the_fingertip_have_schemas_too(capsys, option, title):
+    assert main(["schema", option]) == 0
+    printed = json.loads(capsys.readouterr().out)
+    assert printed["title"] == title
+    jsonschema.Draft202012Validator.check_schema(printed)

@@ -8,7 +8,7 @@ import math
 from collections.abc import Iterable, Mapping
 from typing import Any, Final
 
-from firmtouch.thermal.analysis import Analysis, Binding, Outcome, Relief, ScenarioResponse
+from firmtouch.thermal.analysis import Analysis, Binding, Outcome, Relief, ScenarioResponse, Tolerances
 from firmtouch.thermal.search import Candidate, SearchResult
 from firmtouch.thermal.sensor import HeldPower, HeldTemperature, Pulsed, Sensor, TwoFaces
 from firmtouch.thermal.sensorfile.stack import StackEntry
@@ -37,6 +37,7 @@ def study_as_json(study: Study) -> dict[str, Any]:
         "requirements": [_outcome(each) for each in analysis.outcomes],
         "verdict": study.verdict,
         "binding": None if analysis.binding is None else _binding(analysis.binding),
+        "tolerances": None if analysis.tolerances is None else _tolerances(analysis.tolerances),
         "search": None if study.search is None else _search(study.search),
         "warnings": list(analysis.warnings),
     }
@@ -170,6 +171,11 @@ def _binding(binding: Binding) -> dict[str, Any]:
 
 def _relief(each: Relief) -> dict[str, Any]:
     return {"term": each.term, "unit": each.unit, "now": each.now, "needed": each.needed, "reached": each.reached}
+
+
+def _tolerances(found: Tolerances) -> dict[str, Any]:
+    seconds = {"nominal": _plain(found.nominal), "likely": _plain(found.likely), "worst": _plain(found.worst)}
+    return {"metric": found.metric.value, **seconds, "effects": [_values(each) for each in found.effects]}
 
 
 def _search(found: SearchResult) -> dict[str, Any]:

@@ -7,6 +7,7 @@ from firmtouch.thermal.analysis.heat import Heat, Release, heat, hold_power, rec
 from firmtouch.thermal.analysis.neighbours import Crosstalk
 from firmtouch.thermal.analysis.outcomes import Outcome
 from firmtouch.thermal.analysis.telling import Grade, Pair, grade, tell_pairs
+from firmtouch.thermal.analysis.tolerances import Tolerance, Tolerances
 
 __all__ = [
     "Analysis",
@@ -21,6 +22,8 @@ __all__ = [
     "Release",
     "Relief",
     "ScenarioResponse",
+    "Tolerance",
+    "Tolerances",
     "analyse",
     "feel",
     "grade",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -12,8 +12,9 @@ from firmtouch.thermal.analysis.binding import Binding, binding_of
 from firmtouch.thermal.analysis.felt import Felt, feel, loop_margin
 from firmtouch.thermal.analysis.heat import Heat, heat, recovery_times
 from firmtouch.thermal.analysis.neighbours import Crosstalk, crosstalk_of
-from firmtouch.thermal.analysis.outcomes import Outcome, crosstalk_time, grades, outcomes, pairs
+from firmtouch.thermal.analysis.outcomes import METRICS, Outcome, crosstalk_time, grades, outcomes, pairs
 from firmtouch.thermal.analysis.telling import Grade, Pair
+from firmtouch.thermal.analysis.tolerances import Tolerances, tolerances_of
 from firmtouch.thermal.electronics import SelfHeating
 from firmtouch.thermal.loop import require_followable, require_stable
 from firmtouch.thermal.metrics import Metric, NoResponseError
@@ -21,6 +22,7 @@ from firmtouch.thermal.readout import own_heat
 from firmtouch.thermal.sensor import HeldPower, HeldTemperature, Scenario, Sensor
 from firmtouch.thermal.sensorfile.build import sensor_of
 from firmtouch.thermal.sensorfile.read import SensorFile
+from firmtouch.thermal.sensorfile.requirements import RequirementsSpec
 from firmtouch.thermal.sensorfile.specification import SensorSpec
 from firmtouch.thermal.signals import scale
 
@@ -73,6 +75,7 @@ class Analysis:
     loop_margin: float
     outcomes: tuple[Outcome, ...]
     binding: Binding | None
+    tolerances: Tolerances | None
     warnings: tuple[str, ...]
 
     @property
@@ -104,6 +107,8 @@ def analyse(file: SensorFile, spec: SensorSpec | None = None) -> Analysis:
     reached = outcomes(asked, felt)
     missed = [each for each in reached if not each.met]
     warmth, margin = heat(sensor, felt.t, felt.values), loop_margin(sensor)
+    metric = METRICS.get(asked.rise_time.metric if asked.rise_time is not None else "", Metric.TEN_TO_NINETY)
+    tolerances = tolerances_of(sensor, spec, file.catalogue, metric)
     return Analysis(
         file=file,
         spec=spec,
@@ -119,7 +124,8 @@ def analyse(file: SensorFile, spec: SensorSpec | None = None) -> Analysis:
         loop_margin=margin,
         outcomes=reached,
         binding=binding_of(asked, missed, sensor, spec.window),
-        warnings=tuple(_warnings(file, spec, sensor, warmth, margin)),
+        tolerances=tolerances,
+        warnings=(*_warnings(file, spec, sensor, warmth, margin), *_of_tolerances(asked, reached, tolerances)),
     )
 
 
@@ -155,6 +161,19 @@ def _own_heat(sensor: Sensor) -> SelfHeating | None:
     if sensor.readout is None:
         return None
     return own_heat(sensor.stack, sensor.front, sensor.readout, sensor.temperatures.face)
+
+
+def _of_tolerances(asked: RequirementsSpec, reached: Sequence[Outcome], tolerances: Tolerances | None) -> Iterator[str]:
+    """Warn where a rise time is met only by the tables' own values."""
+    spec = asked.rise_time
+    if tolerances is None or spec is None or spec.metric not in METRICS:
+        return
+    met = all(each.met for each in reached if each.name == "rise_time")
+    if met and tolerances.worst > spec.at_most:
+        yield (
+            f"the rise time is met by the tables' values, but not with all of their tolerances at their worst: "
+            f"{1e3 * tolerances.worst:.3g} ms then, and {1e3 * spec.at_most:.3g} ms are asked"
+        )
 
 
 def _warnings(file: SensorFile, spec: SensorSpec, sensor: Sensor, warmth: Heat, margin: float) -> Iterator[str]:

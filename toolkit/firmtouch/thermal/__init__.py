@@ -44,10 +44,12 @@ from firmtouch.thermal.metrics import (
 from firmtouch.thermal.pad import (
     diffusion_length,
     disc_admittance,
+    disc_centre_rise,
     disc_heat_flow,
     fin_crosstalk,
     fin_length,
     object_crosstalk,
+    point_source_rise,
     spreading_ratio,
 )
 from firmtouch.thermal.quadrupole import (
@@ -114,6 +116,7 @@ __all__ = [
     "diffusion_floor",
     "diffusion_length",
     "disc_admittance",
+    "disc_centre_rise",
     "disc_heat_flow",
     "discriminability",
     "effusivity_sensitivity",
@@ -131,6 +134,7 @@ __all__ = [
     "object_impedance",
     "object_temperature",
     "oscillating_poles",
+    "point_source_rise",
     "power_response",
     "power_transfer",
     "pulse_response",

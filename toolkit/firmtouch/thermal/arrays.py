@@ -54,6 +54,18 @@ def require_conductance(value: float, name: str = "contact conductance") -> None
         raise ThermalValueError(name, value, "positive (`inf` is a perfect contact)")
 
 
+def require_thickness(value: float) -> None:
+    """Refuse a plate's thickness that is not positive; an infinite one is a half-space.
+
+    Raises
+    ------
+    ThermalValueError
+        If it is not positive.
+    """
+    if math.isnan(value) or value <= 0:
+        raise ThermalValueError("thickness", value, "positive (`inf` is a half-space)")
+
+
 def require_times(t: ArrayLike) -> Array:
     """Give times as an array.
 

@@ -25,6 +25,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from firmtouch.thermal.arrays import Array, Complex
+from firmtouch.thermal.plate import edge_admittance
 from firmtouch.thermal.stack import (
     Adiabatic,
     Air,
@@ -112,8 +113,9 @@ def port_of(end: Front | TouchedObject, s: ArrayLike) -> Port:
             return Port(one, h * one)
         case HalfSpace(material=material):
             return Port(one, material.effusivity * root)
-        case Disc(material=material, radius=a):
-            return Port(one, material.effusivity * root + 4 * material.conductivity / (np.pi * a))
+        case Disc(material=material, radius=a, thickness=L):
+            inward = material.effusivity * root if math.isinf(L) else _line(Layer(material, L), s).Y
+            return Port(one, inward + edge_admittance(material, a, L, s) / (np.pi * a**2))
         case Slab(material=material, thickness=L):
             return _through(_line(Layer(material, L), s), Port(one, zero))
         case Touch(object=touched, conductance=h):

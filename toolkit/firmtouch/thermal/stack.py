@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from firmtouch.thermal.arrays import ThermalValueError, require_conductance, require_positive
+from firmtouch.thermal.arrays import ThermalValueError, require_conductance, require_positive, require_thickness
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,13 +116,18 @@ class Slab:
 
 @dataclass(frozen=True, slots=True)
 class Disc:
-    """A half-space that is touched on a disc only, of a radius (m): Y = A e sqrt(s) + 4 k a."""
+    """A plate that is touched on a disc only, of a radius (m), and else insulated: Y = A k g tanh(g L) + its edge's.
+
+    Without a thickness (m) it is a half-space: Y = A e sqrt(s) + 4 k a. `pad.disc_admittance` tells how good that is.
+    """
 
     material: Material
     radius: float
+    thickness: float = math.inf
 
     def __post_init__(self) -> None:
         require_positive(radius=self.radius)
+        require_thickness(self.thickness)
 
 
 Backing = HalfSpace | Base | Adiabatic | Air

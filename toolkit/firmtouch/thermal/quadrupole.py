@@ -175,10 +175,15 @@ class ContactTransfer:
 
 
 def _side_by_side(ends: Front | TouchedObject | Sequence[Front | TouchedObject], s: Complex) -> Port:
-    """Look at one end, or at several along a first axis."""
+    """Look at one end, or at several along a first axis; an object that is touched in several ways only once."""
     if not isinstance(ends, Sequence):
         return port_of(ends, s)
-    ports = [port_of(each, s) for each in ends]
+    bodies = dict.fromkeys(each.object if isinstance(each, Touch) else each for each in ends)
+    seen = {each: port_of(each, s) for each in bodies}
+    ports = [
+        _through(_line(Contact(each.conductance), s), seen[each.object]) if isinstance(each, Touch) else seen[each]
+        for each in ends
+    ]
     return Port(np.stack([each.u for each in ports]), np.stack([each.v for each in ports]))
 
 

@@ -2,9 +2,9 @@
 
 from firmtouch.thermal.analysis.analyse import Analysis, ScenarioResponse, analyse
 from firmtouch.thermal.analysis.binding import Binding, Relief
+from firmtouch.thermal.analysis.crosstalk import Crosstalk
 from firmtouch.thermal.analysis.felt import Felt, Fineness, feel, loop_margin
 from firmtouch.thermal.analysis.heat import Heat, Release, heat, hold_power, recovery_times, release
-from firmtouch.thermal.analysis.neighbours import Crosstalk
 from firmtouch.thermal.analysis.outcomes import Outcome
 from firmtouch.thermal.analysis.telling import Grade, Pair, grade, tell_pairs
 from firmtouch.thermal.analysis.tolerances import Tolerance, Tolerances

@@ -9,9 +9,9 @@ from typing import Final
 import numpy as np
 
 from firmtouch.thermal.analysis.binding import Binding, binding_of
+from firmtouch.thermal.analysis.crosstalk import Crosstalk, crosstalk_of
 from firmtouch.thermal.analysis.felt import Felt, feel, loop_margin
 from firmtouch.thermal.analysis.heat import Heat, heat, recovery_times
-from firmtouch.thermal.analysis.neighbours import Crosstalk, crosstalk_of
 from firmtouch.thermal.analysis.outcomes import METRICS, Outcome, crosstalk_time, grades, outcomes, pairs
 from firmtouch.thermal.analysis.telling import Grade, Pair
 from firmtouch.thermal.analysis.tolerances import Tolerances, tolerances_of
@@ -116,7 +116,7 @@ def analyse(file: SensorFile, spec: SensorSpec | None = None) -> Analysis:
         felt=felt,
         open_loop=open_loop,
         responses=(*_responses(felt), *(() if open_loop is None else _responses(open_loop))),
-        crosstalk=crosstalk_of(felt, crosstalk_time(asked) or spec.window),
+        crosstalk=crosstalk_of(sensor, crosstalk_time(asked) or spec.window),
         discrimination=() if asked.discrimination is None else pairs(asked, felt, until=spec.window),
         range=() if asked.range is None else grades(asked, felt),
         heat=warmth,

@@ -10,8 +10,8 @@ from typing import Final
 import numpy as np
 
 from firmtouch.thermal.arrays import Array, Complex
-from firmtouch.thermal.inversion import euler, step
-from firmtouch.thermal.loop import Loop, power_response
+from firmtouch.thermal.inversion import euler, step, talbot
+from firmtouch.thermal.loop import Loop, power_response, power_transfer
 from firmtouch.thermal.quadrupole import ContactTransfer, contact_transfer, heater_transfer
 from firmtouch.thermal.sensor import HeldPower, HeldTemperature, Pulsed, Sensor
 from firmtouch.thermal.stack import Base, Touch
@@ -106,26 +106,29 @@ def release(sensor: Sensor, touches: Sequence[Touch], duration: float, *, knots:
 
 def flux_into(sensor: Sensor, touches: Sequence[Touch], t: Array) -> Array:
     """Give q'' (W/m2) into the touched face after touches, at times t (s), with what the drive does meanwhile."""
-    stack, difference, heater = sensor.stack, sensor.temperatures.difference, sensor.heater
+    stack, difference = sensor.stack, sensor.temperatures.difference
+    invert = euler if isinstance(sensor.drive, HeldTemperature) else talbot
+    found = difference * invert(lambda s: flux_transfer(sensor, touches, s) / s, t)
+    if isinstance(sensor.drive, Pulsed):
+        contact = contact_transfer
+        power = sensor.drive.pulse.power
+        found = found - power * step(lambda s: _lost(sensor, touches, s, contact(stack, touches, s)), t)
+    return found
 
-    def lost(s: Complex, found: ContactTransfer) -> Complex:
-        """Give the flux out of the face per heater power: theta_face/(1/h + Z_o)."""
-        face = heater_transfer(stack, touches, s, heater=heater, plane=0)
-        return np.asarray(face * found.flux / (1 - found.face))
 
-    def held(loop: Loop, s: Complex) -> Complex:
-        found, driven = contact_transfer(stack, touches, s), loop.controller(s) * loop.sensor(s)
-        power = -driven * found.sensed / (1 + driven * heater_transfer(stack, touches, s, heater=heater))
-        return np.asarray((found.flux - lost(s, found) * power) / s)
+def flux_transfer(sensor: Sensor, touches: Touch | Sequence[Touch], s: Complex) -> Complex:
+    """Give q''/dV (W/m2K) into the touched face, times 1/s for the step; a loop makes it more."""
+    found = contact_transfer(sensor.stack, touches, s)
+    if not isinstance(sensor.drive, HeldTemperature):
+        return found.flux
+    power = power_transfer(sensor.stack, touches, sensor.drive.loop, s)
+    return np.asarray(found.flux - _lost(sensor, touches, s, found) * power)
 
-    match sensor.drive:
-        case HeldTemperature(loop=loop):
-            return difference * euler(lambda s: held(loop, s), t)
-        case Pulsed(pulse=pulse):
-            found = difference * step(lambda s: contact_transfer(stack, touches, s).flux, t)
-            return found - pulse.power * step(lambda s: lost(s, contact_transfer(stack, touches, s)), t)
-        case _:
-            return difference * step(lambda s: contact_transfer(stack, touches, s).flux, t)
+
+def _lost(sensor: Sensor, touches: Touch | Sequence[Touch], s: Complex, found: ContactTransfer) -> Complex:
+    """Give the flux out of the face per heater power: theta_face/(1/h + Z_o)."""
+    face = heater_transfer(sensor.stack, touches, s, heater=sensor.heater, plane=0)
+    return np.asarray(face * found.flux / (1 - found.face))
 
 
 def _untouched_step(sensor: Sensor, t: Array) -> Array:

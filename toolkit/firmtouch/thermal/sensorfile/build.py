@@ -143,7 +143,7 @@ def _scenarios(spec: SensorSpec, catalogue: Catalogue, pad: Pad | None) -> tuple
 def _object(each: ObjectSpec, catalogue: Catalogue, pad: Pad | None) -> TouchedObject:
     material = catalogue.materials[each.material]
     if pad is not None:
-        return Disc(material, pad.radius)
+        return Disc(material, pad.radius, math.inf if each.thickness is None else each.thickness)
     return HalfSpace(material) if each.thickness is None else Slab(material, each.thickness)
 
 

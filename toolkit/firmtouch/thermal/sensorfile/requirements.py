@@ -64,7 +64,7 @@ class DiscriminationSpec(Section):
 
 
 class CrosstalkSpec(ShortSection):
-    """Signal of a neighbour that touches nothing, by the signal of the pad that is touched."""
+    """What the next pad's heat does to the object's face under a pad, of what the pad's own does."""
 
     short_for = "at_most"
     at_most: Ratio

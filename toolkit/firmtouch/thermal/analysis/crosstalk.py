@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -20,6 +20,10 @@ from firmtouch.thermal.stack import Base, HalfSpace, Material, Touch
 
 if TYPE_CHECKING:
     from firmtouch.thermal.sensor import Scenario
+
+
+NEGLIGIBLE: Final = 1e-12
+"""A share that is less than this is none."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +49,7 @@ def object_share(scenario: Scenario, pad: Pad, at: float) -> float:
     if body is None:
         return 0.0
     material, thickness = body
-    return float(object_crosstalk(material, pad.radius, pad.pitch, np.array([at]), thickness=thickness)[0])
+    return _clean(float(object_crosstalk(material, pad.radius, pad.pitch, np.array([at]), thickness=thickness)[0]))
 
 
 def crosstalk_of(sensor: Sensor, at: float) -> tuple[Crosstalk, ...]:
@@ -56,7 +60,7 @@ def crosstalk_of(sensor: Sensor, at: float) -> tuple[Crosstalk, ...]:
     best = {each.object: each for each in sensor.scenarios}  # the last level is the best contact
     t = np.array([at])
     gap = pad.pitch - 2 * pad.radius
-    substrate = 1.0 if gap <= 0 else float(substrate_crosstalk(sensor.stack, gap, t)[0])
+    substrate = 1.0 if gap <= 0 else _clean(float(substrate_crosstalk(sensor.stack, gap, t)[0]))
     return tuple(
         Crosstalk(
             object=each.object,
@@ -87,7 +91,7 @@ def _array_share(scenario: Scenario, pad: Pad, at: float) -> float:
     material, thickness = body
     t, (rows, columns) = np.array([at]), (pad.rows, pad.columns)
     found = array_crosstalk(material, pad.radius, pad.pitch, t, rows=rows, columns=columns, thickness=thickness)
-    return float(found[0])
+    return _clean(float(found[0]))
 
 
 def _signal_share(sensor: Sensor, touch: Touch, pad: Pad, at: float) -> float:
@@ -111,4 +115,9 @@ def _signal_share(sensor: Sensor, touch: Touch, pad: Pad, at: float) -> float:
 
     invert = euler if isinstance(sensor.drive, HeldTemperature) else talbot
     signal, part = float(invert(lambda s: own(s) / s, t)[0]), float(invert(lambda s: other(s) / s, t)[0])
-    return abs(part / signal) if signal else math.inf
+    return _clean(abs(part / signal)) if signal else math.inf
+
+
+def _clean(share: float) -> float:
+    """Take what an inversion cannot tell from nothing as nothing."""
+    return share if share > NEGLIGIBLE else 0.0

@@ -94,7 +94,8 @@ EXPECTED = {
         "alone": (0, 0),
         "together": ([5.05, 37.1, 3.22e-6], 2e-2),  # bisected to half a percent, on the coarse grid
         "met": (1, 0),
-        "fastest": ([0.193], 5e-2),  # drawn designs, a few hundred; the cover is at its thinnest, the gain at its largest
+        # A few hundred drawn designs; the cover is at its thinnest, the gain at its largest.
+        "fastest": ([0.193], 5e-2),
     },
 }
 

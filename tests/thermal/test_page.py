@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from firmtouch.modelfile.fields import read_quantity
 from firmtouch.report.thermal_json import study_as_json
 from firmtouch.thermal import (
     Adiabatic,
@@ -50,11 +51,29 @@ def blocks(text, language, containing):
     return [each for each in found if containing in each]
 
 
+def table(heading):
+    """Give the rows of the table whose first heading this is, each as a mapping from headings to cells."""
+    begin = re.search(rf"^\| {re.escape(heading)} \|.*\n\| ---", PAGE, re.MULTILINE).start()
+    titles, _, *lines = [
+        [cell.strip() for cell in line.split("|")[1:-1]] for line in PAGE[begin:].split("\n\n")[0].splitlines()
+    ]
+    return [dict(zip(titles, line, strict=True)) for line in lines]
+
+
 def named(heading):
     """Give what stands in the first column of the table whose first heading this is."""
-    begin = re.search(rf"^\| {re.escape(heading)} \|.*\n\| ---", PAGE, re.MULTILINE).start()
-    lines = PAGE[begin:].split("\n\n")[0].splitlines()[2:]
-    return {word for line in lines for word in re.findall(r"`(\w+)`", line.split("|")[1])}
+    return {word for row in table(heading) for word in re.findall(r"`(\w+)`", row[heading])}
+
+
+def parse_quantity(text):
+    """Read `0.25 GPa` or `30 %`, as a file has it."""
+    return read_quantity(text if " " in text else float(text), example="").value
+
+
+def alone(heading, column):
+    """Give what a column of a table says of each key, of those that stand alone in their row."""
+    rows_of_one = (row for row in table(heading) if column in row and row[heading].count("`") == 2)
+    return {row[heading].strip("`"): row[column] for row in rows_of_one}
 
 
 def keys_of(section):
@@ -99,9 +118,29 @@ def test_a_table_names_every_key_of_its_rows(heading):
     assert named(heading) == keys_of(ROWS[heading]) - keys_of(rows.RowSpec)
 
 
+@pytest.mark.parametrize("heading", {**TABLES, **ROWS})
+def test_units_of_the_tables_are_those_of_the_schema(heading):
+    schema = {**TABLES, **ROWS}[heading].model_json_schema()
+    own = schema.get("properties") or next(each["properties"] for each in schema["anyOf"] if "properties" in each)
+    for name, told in alone(heading, "unit").items():
+        units = re.findall(r'"description": "in ([^",]+)', json.dumps(own[name]))
+        assert not units or told == units[0], name
+
+
+@pytest.mark.parametrize("heading", {**TABLES, **ROWS})
+def test_defaults_of_the_tables_are_those_of_the_file(heading):
+    fields = {**TABLES, **ROWS}[heading].model_fields
+    told = alone(heading, "default")
+    for name, cell in told.items():
+        default = fields[name].default
+        if isinstance(default, bool):
+            assert cell == f"`{str(default).lower()}`"
+        elif isinstance(default, (int, float)):
+            assert parse_quantity(cell) == default, name
+
+
 def test_modes_of_the_drive_need_and_may_have_what_the_table_says():
-    lines = PAGE[PAGE.index("| mode |") :].split("\n\n")[0].splitlines()[2:]
-    cells = [[set(re.findall(r"`(\w+)`", cell)) for cell in line.split("|")[1:-1]] for line in lines]
+    cells = [[set(re.findall(r"`(\w+)`", cell)) for cell in row.values()] for row in table("mode")]
     told = {mode: needs | may for (mode,), _, needs, may in cells}
     assert told == {mode: {*needed, *usable} for mode, (needed, usable) in drive.USES.items()}
 

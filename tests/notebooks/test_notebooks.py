@@ -71,11 +71,37 @@ EXPECTED = {
         "tolerated": ([2.4844], 2e-2),
         "good": (4, 0),
     },
+    # Exact responses to 1e-10, printed to five digits; a bound is told as (half of it, 1).
+    "06_thermal_touch": {
+        # 31.479 and 2.1815 x^2/alpha without an end; the window of 1000 s leaves x/sqrt(pi alpha t) = 3e-4 of the step,
+        # of which t90 feels 20 times as much.
+        "metrics": ([31.479, 2.1815, 14.430], 7e-3),
+        "windows": ([5.0688, 7.9405, 9.3624, 10.092], 1e-4),
+        "depth": ([4.9771], 1e-4),
+        "contact_temperature": ([22.337742, 29.392362], 1e-7),  # (e1 T1 + e2 T2)/(e1 + e2), given to six digits
+        "formula": (0.5e-11, 1),
+        "needed": ([38.695, 8502.2], 1e-4),  # rho c L; ln 9 of it over 10 ms
+        "worked": ([9.6978, 12.113, 21.860], 1e-4),
+        "lump": ([2.1037, 1.7268], 1e-4),  # ln 9 C''/h
+        "drives": ([0.19114, 0.38839, 4.9915, 313.33], 1e-3),  # the grid's 2e-5, and some for splines
+        "control": ([0.25e-3, 1e-2], 1),  # as fitted: at most 5e-4 of the step, 2 % of the frequency response
+        "pulse": ([2.6203, 1.5002, 1.1213, 0.538613], 1e-4),  # the last: 2 q sqrt(t/pi)/(e1 + e2)
+        "two_temperatures": ([18, 31], 1e-9),
+        "told": ([4.6657, 2.1526, 28.686, 13.219, 136.74, 62.516, 246.89, 110.33, 254.66, 110.58], 1e-4),
+        "spreading": ([5.7004, 1.3150, 1.1467], 1e-4),  # Shoup and Szabo
+        "pads": ([9.6978, 9.6971, 12.113, 20.559, 21.860, 101.47], 1e-4),
+        "chip": ([1.54, 338.37, 0.4094], 1e-3),
+        "alone": (0, 0),
+        "together": ([5.05, 37.1, 3.22e-6], 2e-2),  # bisected to half a percent, on the coarse grid
+        "met": (1, 0),
+        # A few hundred drawn designs; the cover is at its thinnest, the gain at its largest.
+        "fastest": ([0.193], 5e-2),
+    },
 }
 
 
-LONG = {"04_simulation", "02_region_design", "03_proof", "05_real_arm"}
-"""Searches and proofs of half a minute each."""
+LONG = {"04_simulation", "02_region_design", "03_proof", "05_real_arm", "06_thermal_touch"}
+"""Searches and proofs of ten seconds to half a minute each."""
 
 
 @pytest.mark.parametrize(

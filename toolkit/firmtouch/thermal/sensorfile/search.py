@@ -117,7 +117,9 @@ class SearchSpec(Section):
     electronics: ElectronicsChoice | None = None
     objective: Objective = Field(description="what is made best: discrimination is largest, all others are least")
     front: tuple[Objective, ...] = Field((), max_length=3, description="two or three that a Pareto front weighs")
-    evaluations: Annotated[int, whole(10, 1_000_000)] | None = Field(None, description="most designs that are tried")
+    evaluations: Annotated[int, whole(10, 1_000_000)] | None = Field(
+        None, description="about how many designs are tried"
+    )
     seed: Annotated[int, whole(0, 2**32 - 1)] = Field(0, description="of what the search draws")
 
     @model_validator(mode="after")

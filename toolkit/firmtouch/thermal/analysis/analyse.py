@@ -194,8 +194,8 @@ def _warnings(file: SensorFile, spec: SensorSpec, sensor: Sensor, warmth: Heat, 
     drive = sensor.drive
     if warmth.hold < 0:
         yield (
-            f"the touched face is at its temperature only if the heater cools ({warmth.hold:.3g} W/m²), which it cannot: "
-            "base and air alone make it warmer"
+            f"the touched face is at its temperature only if the heater cools ({warmth.hold:.3g} W/m²), which it "
+            "cannot: base and air alone make it warmer"
         )
     own = _reading_power(sensor)
     if own > DOES_MOST * warmth.hold > 0:

@@ -13,6 +13,8 @@ from firmtouch.thermal.analysis.felt import Felt, feel, loop_margin
 from firmtouch.thermal.analysis.heat import Heat, heat, recovery_times
 from firmtouch.thermal.analysis.neighbours import Crosstalk, crosstalk_of
 from firmtouch.thermal.analysis.outcomes import Outcome, crosstalk_time, grades, outcomes, pairs
+from firmtouch.thermal.analysis.rational import RationalModel, rational_models
+from firmtouch.thermal.analysis.spectra import Spectra, spectra_of
 from firmtouch.thermal.analysis.telling import Grade, Pair
 from firmtouch.thermal.electronics import SelfHeating
 from firmtouch.thermal.loop import require_followable, require_stable
@@ -55,8 +57,8 @@ class ScenarioResponse:
 class Analysis:
     """All that is found out about a sensor.
 
-    `felt` has the signals, `open_loop` those at constant power where the drive is another, for comparison. `spec` is
-    what was analysed: the file's, or a design's.
+    `felt` has the signals, `open_loop` those at constant power where the drive is another, for comparison; `spectra` and
+    `rational` are of the usual contact. `spec` is what was analysed: the file's, or a design's.
     """
 
     file: SensorFile
@@ -65,6 +67,8 @@ class Analysis:
     felt: Felt
     open_loop: Felt | None
     responses: tuple[ScenarioResponse, ...]
+    spectra: Spectra
+    rational: tuple[RationalModel, ...]
     crosstalk: tuple[Crosstalk, ...]
     discrimination: tuple[Pair, ...]
     range: tuple[Grade, ...]
@@ -111,6 +115,8 @@ def analyse(file: SensorFile, spec: SensorSpec | None = None) -> Analysis:
         felt=felt,
         open_loop=open_loop,
         responses=(*_responses(felt), *(() if open_loop is None else _responses(open_loop))),
+        spectra=spectra_of(sensor, spec.window),
+        rational=rational_models(felt),
         crosstalk=crosstalk_of(felt, crosstalk_time(asked) or spec.window),
         discrimination=() if asked.discrimination is None else pairs(asked, felt, until=spec.window),
         range=() if asked.range is None else grades(asked, felt),

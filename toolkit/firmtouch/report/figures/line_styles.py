@@ -94,7 +94,7 @@ def draw_legend(figure: Any, keys: Sequence[Key], width: float) -> None:  # noqa
     handles += [Line2D([], [], linestyle="none")] * empty
     labels += [""] * empty
     order = [i * columns + j for j in range(columns) for i in range(rows)]  # matplotlib goes down the columns
-    figure.legend(
+    legend = figure.legend(
         [handles[i] for i in order],
         [labels[i] for i in order],
         loc="lower center",
@@ -105,6 +105,8 @@ def draw_legend(figure: Any, keys: Sequence[Key], width: float) -> None:  # noqa
         labelspacing=0.35,
         borderpad=0.1,
     )
+    for each in legend.get_texts():
+        each.set_parse_math(False)  # names of a file are never formulas
 
 
 def _line(style: Style) -> Any:  # noqa: ANN401  # matplotlib

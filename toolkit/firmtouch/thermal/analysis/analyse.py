@@ -19,7 +19,7 @@ from firmtouch.thermal.analysis.telling import Grade, Pair
 from firmtouch.thermal.electronics import SelfHeating
 from firmtouch.thermal.loop import require_followable, require_stable
 from firmtouch.thermal.metrics import Metric, NoResponseError
-from firmtouch.thermal.readout import own_heat
+from firmtouch.thermal.readout import own_heat, signal_noise
 from firmtouch.thermal.sensor import HeldPower, HeldTemperature, Scenario, Sensor
 from firmtouch.thermal.sensorfile.build import sensor_of
 from firmtouch.thermal.sensorfile.read import SensorFile
@@ -58,7 +58,7 @@ class Analysis:
     """All that is found out about a sensor.
 
     `felt` has the signals, `open_loop` those at constant power where the drive is another, for comparison; `spectra` and
-    `rational` are of the usual contact. `spec` is what was analysed: the file's, or a design's.
+    `rational` are of the usual contact, and `signal_noise` (K or W/m2) is that of one sample. `spec` is what was analysed: the file's, or a design's.
     """
 
     file: SensorFile
@@ -74,6 +74,7 @@ class Analysis:
     range: tuple[Grade, ...]
     heat: Heat
     own_heat: SelfHeating | None
+    signal_noise: float | None
     loop_margin: float
     outcomes: tuple[Outcome, ...]
     binding: Binding | None
@@ -122,6 +123,7 @@ def analyse(file: SensorFile, spec: SensorSpec | None = None) -> Analysis:
         range=() if asked.range is None else grades(asked, felt),
         heat=warmth,
         own_heat=_own_heat(sensor),
+        signal_noise=signal_noise(sensor),
         loop_margin=margin,
         outcomes=reached,
         binding=binding_of(asked, missed, sensor, spec.window),

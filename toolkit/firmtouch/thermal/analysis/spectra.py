@@ -162,4 +162,3 @@ def _gain_margin(L: Complex) -> float:
     real = L.real[down] + part * (L.real[down + 1] - L.real[down])
     found = [-1 / float(each) for each in real if -1 < each < 0]
     return min(found, default=math.inf)
-

@@ -1,0 +1,22 @@
+"""What a pad feels of its neighbours."""
+
+from __future__ import annotations
+
+from firmtouch.report.document import Line, Paragraph, Section, Table
+from firmtouch.report.thermal.words import percent, quantity
+from firmtouch.thermal.analysis import Analysis
+
+
+def section(analysis: Analysis) -> Section | None:
+    """Write the cross-talk, where there is a pitch."""
+    if not analysis.crosstalk or analysis.sensor.pad is None:
+        return None
+    first, pad = analysis.crosstalk[0], analysis.sensor.pad
+    text = (
+        f"Pads of {quantity(2 * pad.radius, 'm')} across at a pitch of {quantity(pad.pitch, 'm')} feel each other's heat "
+        f"through the object that both touch. Given is the rise of the object's face under the next pad, of that under "
+        f"the pad itself, {quantity(first.time, 's')} after the touch."
+    )
+    headings: tuple[Line, ...] = (("object",), ("cross-talk",))
+    rows: list[tuple[Line, ...]] = [((each.object,), (percent(each.neighbour),)) for each in analysis.crosstalk]
+    return Section("Neighbours", (Paragraph((text,)), Table(headings, tuple(rows), frozenset({1}))))

@@ -8,6 +8,7 @@ from typing import Any, Final
 import numpy as np
 
 from firmtouch.report.figures.canvas import ARM, FORCE, INK, as_svg, new_figure, styled
+from firmtouch.report.numbers import number
 
 WIDE: Final = 20.0
 """A ratio of an axis' ends from which it is logarithmic."""
@@ -61,9 +62,10 @@ def front_chart(front: Tradeoff, prefix: str = "front") -> str:
                 markeredgecolor=FORCE, markeredgewidth=1.8, label="this design", zorder=4,
             )  # fmt: skip
             figure.legend(loc="outside upper right", fontsize=8)
-        for values, scale in ((xs, axes.set_xscale), (ys, axes.set_yscale)):
+        for values, scale, axis in ((xs, axes.set_xscale, axes.xaxis), (ys, axes.set_yscale, axes.yaxis)):
             if float(values.min()) > 0 and float(values.max() / values.min()) > WIDE:
                 scale("log")
+                _name_sizes(axis)
         axes.margins(0.12, 0.18)
         if front.colour is None:
             _name_end(axes, front, 0, f"{_best(xs[0], xs[-1])} {front.x.words}")
@@ -72,6 +74,15 @@ def front_chart(front: Tradeoff, prefix: str = "front") -> str:
         axes.set_ylabel(front.y.label, fontsize=8)
         axes.tick_params(labelsize=8)
         return as_svg(figure, prefix)
+
+
+def _name_sizes(axis: Any) -> None:  # noqa: ANN401  # matplotlib
+    """Write sizes of 1, 2 and 5 along a logarithmic axis."""
+    from matplotlib.ticker import LogLocator, NullFormatter
+
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axis.set_major_formatter(lambda value, _: number(value, 2))
+    axis.set_minor_formatter(NullFormatter())
 
 
 def _coloured(figure: Any, axes: Any, front: Tradeoff) -> None:  # noqa: ANN401  # matplotlib

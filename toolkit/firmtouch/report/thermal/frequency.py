@@ -69,7 +69,7 @@ def _figure(analysis: Analysis) -> Figure:
     if spectra.loops:
         caption += " Right: the loop's L; the dashed lines are |L| = 1 and −180°."
     alt = f"Bode diagram of the signal{' and of the loop' if spectra.loops else ''} for {', '.join(names)}"
-    return Figure(bode_picture(names, panels), (caption,), alt, 1.0, 2)
+    return Figure(bode_picture(names, panels), (caption,), alt, 1.0 if len(panels) > 1 else 0.69, len(panels))
 
 
 def _hertz(omega: float) -> str:

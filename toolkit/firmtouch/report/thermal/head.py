@@ -76,14 +76,16 @@ def _cards(analysis: Analysis) -> Iterator[Card]:
 def _picture(analysis: Analysis) -> Figure:
     view = stack_view(analysis)
     layout = layout_of(view)
-    caption = "The stack in cross-section, from what is touched inward. Left: all of it to scale."
-    caption += " Right: each entry high enough to be read"
+    caption = "The stack in cross-section, from what is touched inward"
+    caption += (
+        ", to scale" if layout.to_scale else ". Left: all of it to scale. Right: each entry high enough to be read"
+    )
     if layout.cut:
         caption += f"; {_counted(len(layout.cut), 'layer')} between zigzag lines {_is(layout.cut)} cut short"
     if layout.raised:
         caption += f"; {_counted(len(layout.raised), 'entry')} {_is(layout.raised)} drawn thicker than to scale"
     caption += ". "
-    if layout.scale > 0 and len(layout.cut) + len(layout.raised) < len(view.bands):
+    if not layout.to_scale and len(layout.cut) + len(layout.raised) < len(view.bands):
         caption += "The others are to one scale. "
     names = ", ".join(f"{each.name} ({each.size})" for each in view.bands)
     alt = f"Cross-section of the stack, from the touched face inward: {names}; behind: {view.backing}"

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 from firmtouch.report.document import Line, Paragraph, Section, Table
 from firmtouch.report.thermal.words import percent, quantity
 from firmtouch.thermal.analysis import Analysis
+
+LEAST: Final = 1e-5
 
 
 def section(analysis: Analysis) -> Section | None:
@@ -18,5 +22,10 @@ def section(analysis: Analysis) -> Section | None:
         f"the pad itself, {quantity(first.time, 's')} after the touch."
     )
     headings: tuple[Line, ...] = (("object",), ("cross-talk",))
-    rows: list[tuple[Line, ...]] = [((each.object,), (percent(each.neighbour),)) for each in analysis.crosstalk]
+    rows: list[tuple[Line, ...]] = [((each.object,), (_share(each.neighbour),)) for each in analysis.crosstalk]
     return Section("Neighbours", (Paragraph((text,)), Table(headings, tuple(rows), frozenset({1}))))
+
+
+def _share(value: float) -> str:
+    """Write a share; of what is next to nothing, no power of ten."""
+    return percent(value) if value >= LEAST else f"< {percent(LEAST)}"

@@ -33,7 +33,7 @@ def section(analysis: Analysis) -> Section:
                 (outcome_words(each, each.reached),),
                 (margin_words(each),),
                 ("yes",) if each.met else (Strong("no"),),
-                (place_words(each.where) or "everywhere",),
+                (place_words(each.where) or "–",),
             )
         )
     blocks: list[Block] = [Table(headings, tuple(rows), frozenset({1, 2, 3}), wide=frozenset({5}))]

@@ -70,7 +70,9 @@ def _figure(analysis: Analysis) -> Figure:
     if line is not None:
         caption += f" Dashed: {quantity(line, 's')}, the rise time that is asked for."
     alt = f"Step responses over time for {', '.join(names)}"
-    return Figure(responses_picture(names, panels, line), (caption,), alt, 1.0, 2)
+    return Figure(
+        responses_picture(names, panels, line), (caption,), alt, 1.0 if len(panels) > 1 else 0.69, len(panels)
+    )
 
 
 def _title(unit: str, *, loop: bool) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Final
 
-from firmtouch.report.document import Block, Code, Figure, Line, Paragraph, Section, Strong, Table
+from firmtouch.report.document import Block, Figure, Line, Paragraph, Section, Strong, Table
 from firmtouch.report.figures.front import Axis, Tradeoff, front_chart
 from firmtouch.report.numbers import number
 from firmtouch.report.thermal.words import celsius, quantity
@@ -53,9 +53,7 @@ def _variables(found: SearchResult) -> Table:
     for each in found.variables:
         chosen = found.chosen.values[each.path]
         if each.choices:
-            listed: Line = tuple(
-                span for choice in each.choices for span in (Code(value_words(each, choice)), " ")
-            )  # fmt: skip
+            listed = ", ".join(value_words(each, choice) for choice in each.choices)
             ends: tuple[Line, Line] = ((f"one of {len(each.choices)}:",), listed)
         else:
             ends = (value_words(each, each.low),), (value_words(each, each.high),)

@@ -11,7 +11,7 @@ from firmtouch.report.numbers import number
 from firmtouch.report.thermal.stack_view import backing_words, entry_kind, entry_name, is_heated
 from firmtouch.report.thermal.words import MODES, celsius, percent, quantity, range_words
 from firmtouch.thermal.analysis import Analysis
-from firmtouch.thermal.sensor import HeldPower, HeldTemperature, Pulsed, TwoFaces
+from firmtouch.thermal.sensor import HeldPower, HeldTemperature, Pad, Pulsed, TwoFaces
 from firmtouch.thermal.stack import Base, Contact, Film, Layer, Slab
 
 NONE: Final = "–"
@@ -21,7 +21,7 @@ def section(analysis: Analysis) -> Section:
     """Write the sensor."""
     blocks: list[Block] = [
         _stack(analysis),
-        Paragraph(("What it touches, and the conductance h of the contact in a bad, a usual and a good touch:",)),
+        Paragraph(("What it touches, and the conductance h of the contact (W/m²K):",)),
         _objects(analysis),
         Paragraph(("How it is used, driven and read:",)),
         Table((("what",), ("value",)), tuple(_settings(analysis)), wide=frozenset({1})),
@@ -61,7 +61,7 @@ def _objects(analysis: Analysis) -> Table:
     names = {"low": "bad", "nominal": "usual", "high": "good"}
     headings: tuple[Line, ...] = (
         ("object",), ("material",), ("as",), ("k, W/mK",), ("ρc, MJ/m³K",), ("e, W s^½/m²K",),
-        *((f"h {names[each]}, W/m²K",) for each in levels),
+        *((f"h, {names[each]}",) for each in levels),
     )  # fmt: skip
     by_object = {(each.object, each.level): each.touch for each in analysis.sensor.scenarios}
     rows: list[tuple[Line, ...]] = []
@@ -100,10 +100,7 @@ def _pairs(analysis: Analysis) -> Iterator[tuple[str, str]]:
     if pad is None:
         yield "pad", "wide: heat flows in one dimension"
     else:
-        beside = (
-            "" if math.isinf(pad.pitch) else f", {pad.rows} × {pad.columns} at a pitch of {quantity(pad.pitch, 'm')}"
-        )
-        yield "pad", f"a disc of radius {quantity(pad.radius, 'm')}{beside}"
+        yield "pad", f"a disc of radius {quantity(pad.radius, 'm')}{_beside(pad)}"
     electronics = spec.electronics
     if electronics is None:
         yield "electronics", "none stated, so that nothing is said of noise"
@@ -117,6 +114,13 @@ def _pairs(analysis: Analysis) -> Iterator[tuple[str, str]]:
         )
     else:
         yield "electronics", "; ".join(_chain(analysis))
+
+
+def _beside(pad: Pad) -> str:
+    if math.isinf(pad.pitch):
+        return ""
+    many = f"{pad.rows} × {pad.columns} of them" if pad.count > 1 else "the next one"
+    return f", {many} at a pitch of {quantity(pad.pitch, 'm')}"
 
 
 def _drive(analysis: Analysis) -> str:

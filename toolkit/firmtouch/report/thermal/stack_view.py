@@ -52,7 +52,7 @@ def _band(analysis: Analysis, entry: StackEntry, i: int) -> Band:
         assert isinstance(element, Film)
         capacity = quantity(element.areal_capacity, "J/m^2/K")
         size = capacity if film.thickness is None else quantity(film.thickness, "m")
-        return Band(name, film.material or film.part or "", film.thickness, size, kind)
+        return Band(name, film.material or film.part or "", None, size, kind)
     if entry.joint is not None:
         return Band(name, "", None, quantity(entry.joint, "W/m^2/K"), kind)
     assert entry.thickness is not None

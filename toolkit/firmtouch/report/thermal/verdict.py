@@ -51,11 +51,9 @@ def _least_spare(analysis: Analysis) -> str:
 def _told(outcome: Outcome, analysis: Analysis) -> str:
     words = requirement_words(outcome, analysis.spec)
     at = f" ({place_words(outcome.where)})" if outcome.where else ""
-    bound = "at most" if outcome.at_most else "at least"
-    return (
-        f"the {words} is {outcome_words(outcome, outcome.reached)}{at}, where {bound} "
-        f"{outcome_words(outcome, outcome.asked)} is asked"
-    )
+    bound = f"{'at most' if outcome.at_most else 'at least'} {outcome_words(outcome, outcome.asked)}"
+    asked = f", {bound} being asked" if outcome.met else f" instead of {bound}"
+    return f"the {words} is {outcome_words(outcome, outcome.reached)}{at}{asked}"
 
 
 def _binds(analysis: Analysis) -> str:

@@ -15,6 +15,7 @@ from firmtouch.thermal.quadrupole import contact_transfer, frequency_response, h
 from firmtouch.thermal.sensor import HeldTemperature, Pulsed, Scenario, Sensor
 from firmtouch.thermal.stack import Front, Touch
 
+TURN: Final = 2 * math.pi
 USUAL: Final = "nominal"
 PER_DECADE: Final = 30
 LOWEST: Final = 0.1
@@ -113,6 +114,7 @@ def spectra_of(sensor: Sensor, window: float) -> Spectra:
     signals = []
     for each, row in zip(scenarios, H, strict=True):
         magnitude, phase = frequency_response(row)
+        phase = phase - TURN * (phase[0] > TURN / 4)  # of what begins at +-180 degrees, -180
         signals.append(SignalSpectrum(each.object, unit, magnitude[:end], phase[:end], _bandwidth(whole, magnitude)))
     return Spectra(omega, tuple(signals), _loops(sensor, scenarios, whole, end))
 
@@ -143,7 +145,7 @@ def _loop(name: str | None, L: Complex, omega: Array, end: int) -> LoopSpectrum:
     falls = np.flatnonzero((magnitude[:-1] >= 1) != (magnitude[1:] >= 1))
     at = [_crossing(omega, magnitude, int(i), 1.0) for i in falls]
     phases = [float(np.interp(math.log(w), np.log(omega), phase)) for w in at]
-    distances = [abs((each + 2 * math.pi) % (2 * math.pi) - math.pi) for each in phases]
+    distances = [abs((each + TURN) % TURN - math.pi) for each in phases]
     return LoopSpectrum(
         object=name,
         magnitude=magnitude[:end],

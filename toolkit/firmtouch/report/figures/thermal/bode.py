@@ -19,7 +19,7 @@ from firmtouch.report.figures.line_styles import (
     legend_rows,
     styles_of,
 )
-from firmtouch.report.figures.thermal.responses import Array, log_axis
+from firmtouch.report.figures.thermal.responses import SINGLE, Array, log_axis
 from firmtouch.report.figures.thermal.stack import WIDTH
 from firmtouch.report.numbers import number
 
@@ -60,17 +60,23 @@ def bode_picture(names: Sequence[str], panels: Sequence[BodePanel]) -> str:
         styles[None] = Style(INK, (0, (1.2, 1.1)))
         keys = (*keys, Key("nothing touched", styles[None]))
     with styled():
-        below = BELOW + ROW * legend_rows(keys, WIDTH) + 0.05
+        width = WIDTH if len(panels) > 1 else SINGLE
+        below = BELOW + ROW * legend_rows(keys, width) + 0.05
         height = ABOVE + MAGNITUDE + BETWEEN + PHASE + below
-        figure = new_figure(WIDTH, height, layout=None)
-        sides: dict[str, Any] = {"left": 0.105, "right": 0.985, "wspace": 0.27, "height_ratios": [MAGNITUDE, PHASE]}
+        figure = new_figure(width, height, layout=None)
+        sides: dict[str, Any] = {
+            "left": 0.67 / width,
+            "right": 1 - 0.22 / width,
+            "wspace": 0.27,
+            "height_ratios": [MAGNITUDE, PHASE],
+        }
         sides |= {"top": 1 - ABOVE / height, "bottom": below / height, "hspace": 2 * BETWEEN / (MAGNITUDE + PHASE)}
         drawn = figure.subplots(2, len(panels), squeeze=False, sharex="col", gridspec_kw=sides)
         for column, panel in enumerate(panels):
             _panel(drawn[0][column], drawn[1][column], panel, styles)
         drawn[0][0].set_ylabel("magnitude", fontsize=FONT)
         drawn[1][0].set_ylabel("phase", fontsize=FONT)
-        draw_legend(figure, keys, WIDTH)
+        draw_legend(figure, keys, width)
         return as_svg(figure, "bode")
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Final
 
 CUT: Final = 2.4
-"""Height of a layer that is cut short, by that of a row."""
+"""Least height of a layer that is cut short, by that of a row; it is no less high than the others."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,6 +21,11 @@ class Heights:
     cut: frozenset[int]
     raised: frozenset[int]
     scale: float
+
+    @property
+    def to_scale(self) -> bool:
+        """Tell whether all layers are to one scale, without any film or joint."""
+        return not self.cut and not self.raised
 
 
 def true_heights(thicknesses: Sequence[float | None], room: float) -> tuple[float, ...]:
@@ -42,19 +47,16 @@ def readable_heights(thicknesses: Sequence[float | None], room: float, row: floa
 
 def _with_cut(thicknesses: Sequence[float | None], cut: frozenset[int], room: float, row: float) -> Heights:
     """Draw the layers that are not cut to one scale, or a row high where that is more."""
-    left = room - CUT * row * len(cut)
-    least = row * (len(thicknesses) - len(cut))
 
     def heights(scale: float) -> list[float]:
-        found = [max(row, (each or 0.0) * scale) for each in thicknesses]
-        return [CUT * row if i in cut else each for i, each in enumerate(found)]
+        found = [0.0 if i in cut else max(row, (each or 0.0) * scale) for i, each in enumerate(thicknesses)]
+        tallest = max(CUT * row, *found)
+        return [tallest if i in cut else each for i, each in enumerate(found)]
 
-    low, high = 0.0, max(left, row) / min((each for each in thicknesses if each), default=1.0)
-    if left > least:
-        for _ in range(80):
-            middle = (low + high) / 2
-            total = sum(each for i, each in enumerate(heights(middle)) if i not in cut)
-            low, high = (middle, high) if total <= left else (low, middle)
+    low, high = 0.0, room / min((each for each in thicknesses if each), default=1.0)
+    for _ in range(80):
+        middle = (low + high) / 2
+        low, high = (middle, high) if sum(heights(middle)) <= room else (low, middle)
     found = heights(low)
     raised = frozenset(
         i for i, each in enumerate(thicknesses) if i not in cut and found[i] > (each or 0.0) * low * (1 + 1e-9)

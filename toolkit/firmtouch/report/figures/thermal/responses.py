@@ -18,6 +18,8 @@ Array = NDArray[np.floating[Any]]
 HEIGHT, ABOVE, BELOW = 2.1, 0.26, 0.4
 """Of a panel, and the room above and under it, in inches."""
 FONT: Final = 7.8
+SINGLE: Final = 4.4
+"""Width of a picture of one panel, in inches."""
 BEFORE: Final = 0.15
 """Of the earliest mark: where the axis of time begins."""
 
@@ -43,15 +45,22 @@ def responses_picture(names: Sequence[str], panels: Sequence[Panel], asked: floa
     """Draw panels side by side; `asked` (s) is the rise time that is asked for, as a line."""
     styles = styles_of(names, COLOURS)
     with styled():
-        below = BELOW + ROW * legend_rows(styles.keys, WIDTH) + 0.05
+        width = WIDTH if len(panels) > 1 else SINGLE
+        below = BELOW + ROW * legend_rows(styles.keys, width) + 0.05
         height = ABOVE + HEIGHT + below
-        figure = new_figure(WIDTH, height, layout=None)
-        sides = {"left": 0.08, "right": 0.985, "top": 1 - ABOVE / height, "bottom": below / height, "wspace": 0.2}
+        figure = new_figure(width, height, layout=None)
+        sides = {
+            "left": 0.51 / width,
+            "right": 1 - 0.22 / width,
+            "top": 1 - ABOVE / height,
+            "bottom": below / height,
+            "wspace": 0.2,
+        }
         drawn = figure.subplots(1, len(panels), squeeze=False, gridspec_kw=sides)[0]
         for axes, panel in zip(drawn, panels, strict=True):
             _panel(axes, panel, styles, asked)
         drawn[0].set_ylabel("share of its end value", fontsize=FONT)
-        draw_legend(figure, styles.keys, WIDTH)
+        draw_legend(figure, styles.keys, width)
         return as_svg(figure, "responses")
 
 

@@ -102,16 +102,18 @@ def draw_stack(view: StackView) -> Figure:
     edges = top + np.concatenate([[0.0], np.cumsum(layout.heights)])
     true = top + np.concatenate([[0.0], np.cumsum(true_heights([each.thickness for each in view.bands], room))])
     colours = _colours(view)
-    for (left, right), places in ((TRUE, true), (READ, edges)):
-        _bands(axes, view, (left, right), places, colours)
-        _ends(axes, view, (left, right), top, float(places[-1]))
-    _guides(axes, true, edges, room)
+    columns = [(READ, edges)] if layout.to_scale else [(TRUE, true), (READ, edges)]
+    for sides, places in columns:
+        _bands(axes, view, sides, places, colours)
+        _ends(axes, view, sides, top, float(places[-1]))
+    if not layout.to_scale:
+        _guides(axes, true, edges, room)
     for i in layout.cut:
         _cut(axes, float(edges[i] + edges[i + 1]) / 2)
     _planes(axes, view, edges)
     _write(axes, view, edges, top)
-    _title(axes, TRUE, "to scale")
-    _title(axes, READ, "thin layers magnified")
+    for (sides, _), words in zip(columns[::-1], ("thin layers magnified", "to scale"), strict=False):
+        _title(axes, sides, "to scale" if layout.to_scale else words)
     return figure
 
 

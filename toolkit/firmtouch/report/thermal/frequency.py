@@ -12,7 +12,7 @@ from firmtouch.report.document import Block, Code, Figure, Line, Math, Paragraph
 from firmtouch.report.figures.thermal import BodeCurve, BodePanel, bode_picture
 from firmtouch.report.numbers import number
 from firmtouch.report.thermal.responses import shown_objects
-from firmtouch.report.thermal.words import quantity, unit_words
+from firmtouch.report.thermal.words import breakable, quantity, unit_words
 from firmtouch.thermal.analysis import Analysis
 
 TURN: Final = 2 * math.pi
@@ -91,7 +91,8 @@ def _margins(analysis: Analysis) -> Iterator[Block]:
         cross = "none" if math.isinf(each.crossover) else quantity(each.crossover / TURN, "Hz")
         rows.append(((each.object or "nothing",), (cross,), (gain,), (phase,), (number(each.modulus_margin, 3),)))
     caption: Line = (
-        f"The least modulus margin |1 + L| in all contacts is {number(analysis.loop_margin, 3)}; 0.5 is a usual demand.",
+        f"The least modulus margin |1 + L| in all contacts is {number(analysis.loop_margin, 3)}; "
+        "0.5 is a usual demand.",
     )
     yield Table(headings, tuple(rows), frozenset({1, 2, 3, 4}), caption)
 
@@ -114,8 +115,8 @@ def _rational(analysis: Analysis) -> Iterator[Block]:
     )
     unit = unit_words(models[0].unit) if models[0].unit != "K/K" else "K/K"
     headings: tuple[Line, ...] = (
-        ("object",), ("poles",), ("slowest, 1/s",), ("fastest, 1/s",), (f"error, {unit}",), ("relative",), ("holds from",),
-        ("to",),
+        ("object",), ("poles",), ("slowest, 1/s",), ("fastest, 1/s",), (f"error, {unit}",), ("relative",),
+        ("holds from",), ("to",),
     )  # fmt: skip
     rows: list[tuple[Line, ...]] = []
     for each in models:
@@ -130,5 +131,5 @@ def _rational(analysis: Analysis) -> Iterator[Block]:
             quantity(found.earliest, "s"),
             quantity(found.window, "s"),
         )
-        rows.append(tuple((cell,) for cell in cells))
+        rows.append(tuple((breakable(cell),) for cell in cells))
     yield Table(headings, tuple(rows), frozenset(range(1, 8)))

@@ -16,9 +16,9 @@ def section(analysis: Analysis) -> Section:
 def _blocks(analysis: Analysis) -> Iterator[Block]:
     yield Paragraph(
         (
-            "Heat flows in one dimension through the layers. Each takes temperature and flux from one face to the other "
-            "exactly; films only store heat, joints only resist. All temperatures are deviations from the state before "
-            "the touch.",
+            "Heat flows in one dimension through the layers. Each takes temperature and flux from one face to the "
+            "other exactly; films only store heat, joints only resist. All temperatures are deviations from the state "
+            "before the touch.",
         )
     )
     yield Equation(
@@ -68,8 +68,8 @@ def _blocks(analysis: Analysis) -> Iterator[Block]:
         )
     yield Paragraph(
         (
-            "Times are found by inverting these transforms numerically (Abate and Whitt's Euler method for loops, Talbot's "
-            "contour for all others). A 10–90 % rise time is ",
+            "Times are found by inverting these transforms numerically (Abate and Whitt's Euler method for loops, "
+            "Talbot's contour for all others). A 10–90 % rise time is ",
             Math("t_90 - t_10"),
             " of the extremum in the window.",
         )

@@ -17,9 +17,9 @@ def section(analysis: Analysis) -> Section | None:
         return None
     first, pad = analysis.crosstalk[0], analysis.sensor.pad
     text = (
-        f"Pads of {quantity(2 * pad.radius, 'm')} across at a pitch of {quantity(pad.pitch, 'm')} feel each other's heat "
-        f"through the object that both touch. Given is the rise of the object's face under the next pad, of that under "
-        f"the pad itself, {quantity(first.time, 's')} after the touch."
+        f"Pads of {quantity(2 * pad.radius, 'm')} across at a pitch of {quantity(pad.pitch, 'm')} feel each other's "
+        "heat through the object that both touch. Given is the rise of the object's face under the next pad, of that "
+        f"under the pad itself, {quantity(first.time, 's')} after the touch."
     )
     headings: tuple[Line, ...] = (("object",), ("cross-talk",))
     rows: list[tuple[Line, ...]] = [((each.object,), (_share(each.neighbour),)) for each in analysis.crosstalk]

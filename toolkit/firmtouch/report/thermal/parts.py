@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Final
 
-from firmtouch.report.document import Block, Line, Paragraph, Section, Table
+from firmtouch.report.document import Line, Paragraph, Section, Table
 from firmtouch.report.numbers import number
 from firmtouch.report.thermal.words import percent, quantity
 from firmtouch.thermal.analysis import Analysis
@@ -20,7 +20,8 @@ def section(analysis: Analysis) -> Section:
     materials = [catalogue.materials[name] for name in _materials(analysis) if name in catalogue.materials]
     if materials:
         headings: tuple[Line, ...] = (
-            ("material",), ("k, W/mK",), ("ρ, kg/m³",), ("c, J/kgK",), ("±",), ("what it is, and the source of its numbers",)
+            ("material",), ("k, W/mK",), ("ρ, kg/m³",), ("c, J/kgK",), ("±",),
+            ("what it is, and the source of its numbers",),
         )  # fmt: skip
         rows: list[tuple[Line, ...]] = [
             (
@@ -45,8 +46,7 @@ def _materials(analysis: Analysis) -> tuple[str, ...]:
     """List the materials in the order in which they are met, from the front."""
     spec = analysis.spec
     found = [each.material for each in spec.objects]
-    for entry in spec.stack:
-        found.append(entry.material or (entry.film.material if entry.film is not None else None) or "")
+    found += [each.material or (each.film.material if each.film is not None else None) or "" for each in spec.stack]
     found.append(spec.backing.half_space or "")
     return tuple(dict.fromkeys(each for each in found if each))
 

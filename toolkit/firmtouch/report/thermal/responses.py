@@ -11,7 +11,7 @@ import numpy as np
 from firmtouch.report.document import Block, Figure, Line, Paragraph, Section, Table
 from firmtouch.report.figures.thermal import Curve, Panel, responses_picture
 from firmtouch.report.numbers import number
-from firmtouch.report.thermal.words import LEVELS, SIGNALS, quantity, unit_words
+from firmtouch.report.thermal.words import LEVELS, SIGNALS, breakable, quantity, unit_words
 from firmtouch.thermal.analysis import Analysis, Felt, ScenarioResponse
 
 MOST_DRAWN: Final = 8
@@ -39,10 +39,10 @@ def section(analysis: Analysis) -> Section:
     blocks: list[Block] = [
         Paragraph(
             (
-                f"The signal is the change of the {SIGNALS[drive.unit]} after the touch. Rise times are measured by the "
-                f"end value, which is the extremum of the signal within a window of {quantity(felt.window, 's')}; 10–90 % "
-                "and 63 % differ by far, as the last part of a response is diffusion. Recovery is the time after the "
-                "release until less than a tenth of the end value is left.",
+                f"The signal is the change of the {SIGNALS[drive.unit]} after the touch. Rise times are measured by "
+                f"the end value, which is the extremum of the signal within a window of {quantity(felt.window, 's')}; "
+                "10–90 % and 63 % differ by far, as the last part of a response is diffusion. Recovery is the time "
+                "after the release until less than a tenth of the end value is left.",
             )
         ),
         _figure(analysis),
@@ -113,7 +113,7 @@ def _table(responses: Sequence[ScenarioResponse]) -> Table:
             number(each.gain, 3),
             _seconds(each.recovery),
         )
-        rows.append(tuple((cell,) for cell in cells))
+        rows.append(tuple((breakable(cell),) for cell in cells))
     return Table(headings, tuple(rows), frozenset(range(2, 8)))
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 from firmtouch.report.document import Block, Figure, Line, Paragraph, Section, Strong, Table
 from firmtouch.report.figures.front import Axis, Tradeoff, front_chart
 from firmtouch.report.numbers import number
-from firmtouch.report.thermal.words import celsius, quantity
+from firmtouch.report.thermal.words import celsius, enumerated, quantity
 from firmtouch.thermal.search.variables import LINEAR, Value, Variable
 from firmtouch.thermal.study import Study
 
@@ -28,10 +28,10 @@ AT: Final = 1e-6
 
 def section(study: Study) -> Section | None:
     """Write the search, where there was one."""
-    return None if study.search is None else Section("Search", tuple(_blocks(study.search, study)))
+    return None if study.search is None else Section("Search", tuple(_blocks(study.search)))
 
 
-def _blocks(found: SearchResult, study: Study) -> Iterator[Block]:
+def _blocks(found: SearchResult) -> Iterator[Block]:
     best = "largest" if found.spec.objective == "discrimination" else "least"
     met = f"{found.met} of them meet everything" if found.met else "none of them meets everything"
     what = "the chosen one has the " if found.found else "what is analysed here misses least; it was to have the "
@@ -42,23 +42,23 @@ def _blocks(found: SearchResult, study: Study) -> Iterator[Block]:
     if at_bounds and found.found:
         yield Paragraph(("Where a value lies at a bound, a wider range may give a better design.",))
     if found.front is not None:
-        yield from _front(found.front, found, study)
+        yield from _front(found.front, found)
     elif found.spec.front:
         yield Paragraph(("There is no front to show, as no design meets everything.",))
 
 
 def _variables(found: SearchResult) -> Table:
-    headings: tuple[Line, ...] = (("variable",), ("from",), ("to",), ("chosen",), ("",))
+    headings: tuple[Line, ...] = (("variable",), ("searched",), ("chosen",), ("",))
     rows: list[tuple[Line, ...]] = []
     for each in found.variables:
         chosen = found.chosen.values[each.path]
-        if each.choices:
-            listed = ", ".join(value_words(each, choice) for choice in each.choices)
-            ends: tuple[Line, Line] = ((f"one of {len(each.choices)}:",), listed)
-        else:
-            ends = (value_words(each, each.low),), (value_words(each, each.high),)
-        rows.append(((each.name,), *ends, (Strong(value_words(each, chosen)),), (_bound(each, chosen),)))
-    return Table(headings, tuple(rows), wide=frozenset({2}))
+        searched = (
+            ", ".join(value_words(each, choice) for choice in each.choices)
+            if each.choices
+            else f"{value_words(each, each.low)} to {value_words(each, each.high)}"
+        )
+        rows.append(((each.name,), (searched,), (Strong(value_words(each, chosen)),), (_bound(each, chosen),)))
+    return Table(headings, tuple(rows), wide=frozenset({1}))
 
 
 def value_words(variable: Variable, value: Value) -> str:
@@ -80,9 +80,9 @@ def _bound(variable: Variable, value: Value) -> str:
     return "at its upper bound" if variable.high - value <= near else ""
 
 
-def _front(front: Front, found: SearchResult, study: Study) -> Iterator[Block]:
+def _front(front: Front, found: SearchResult) -> Iterator[Block]:
     names, count = front.objectives, len(front.designs)
-    told = " and ".join(WORDS[each] for each in names)
+    told = enumerated(WORDS[each] for each in names)
     if count < 2:
         yield Paragraph((f"One design is best in {told} at once, so that neither costs any of the other.",))
         return
@@ -132,10 +132,11 @@ def _designs(front: Front, found: SearchResult) -> Table:
     alike, more = len(found.variables) - len(differ), len(differ) - len(shown)
     words = ["Bold: the chosen design."] if _place(front) is not None else []
     if alike:
-        words.append(f"{alike} of {len(found.variables)} variables have one value in all of these.")
+        has = "variable has" if alike == 1 else "variables have"
+        words.append(f"{alike} other {has} one value in all of these.")
     if more:
-        words.append(f"{more} more variables differ.")
-    numeric = {i for i in range(len(front.objectives))}
+        words.append(f"{more} more {'variable differs' if more == 1 else 'variables differ'}.")
+    numeric = set(range(len(front.objectives)))
     numeric |= {len(front.objectives) + i for i, each in enumerate(shown) if not each.choices}
     return Table(headings, rows, frozenset(numeric), (" ".join(words),) if words else ())
 

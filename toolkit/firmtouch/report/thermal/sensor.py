@@ -9,19 +9,20 @@ from typing import Final
 from firmtouch.report.document import Block, Line, Paragraph, Section, Table
 from firmtouch.report.numbers import number
 from firmtouch.report.thermal.stack_view import backing_words, entry_kind, entry_name, is_heated
-from firmtouch.report.thermal.words import MODES, celsius, percent, quantity, range_words
+from firmtouch.report.thermal.words import MODES, breakable, celsius, percent, quantity, range_words
 from firmtouch.thermal.analysis import Analysis
 from firmtouch.thermal.sensor import HeldPower, HeldTemperature, Pad, Pulsed, TwoFaces
 from firmtouch.thermal.stack import Base, Contact, Film, Layer, Slab
 
 NONE: Final = "–"
+SIZES: Final = "k in W/mK, ρc in MJ/m³K, e in W√s/m²K"
 
 
 def section(analysis: Analysis) -> Section:
     """Write the sensor."""
     blocks: list[Block] = [
         _stack(analysis),
-        Paragraph(("What it touches, and the conductance h of the contact (W/m²K):",)),
+        Paragraph(("What it touches, and the conductance h of the contact:",)),
         _objects(analysis),
         Paragraph(("How it is used, driven and read:",)),
         Table((("what",), ("value",)), tuple(_settings(analysis)), wide=frozenset({1})),
@@ -31,8 +32,8 @@ def section(analysis: Analysis) -> Section:
 
 def _stack(analysis: Analysis) -> Table:
     headings: tuple[Line, ...] = (
-        ("entry",), ("kind",), ("material",), ("thickness",), ("k, W/mK",), ("ρc, MJ/m³K",), ("e, W s^½/m²K",),
-        ("C″, J/m²K",),
+        ("entry",), ("kind",), ("material",), ("thickness",), ("k",), ("ρc",), ("e",),
+        ("C″",),
     )  # fmt: skip
     spec, rows = analysis.spec, []
     for i, (entry, element) in enumerate(zip(spec.stack, analysis.sensor.stack.elements, strict=True)):
@@ -51,8 +52,8 @@ def _stack(analysis: Analysis) -> Table:
                 cells += [NONE if thickness is None else quantity(thickness, "m"), NONE, NONE, NONE, number(C, 3)]
             case Contact(conductance=h):
                 cells += [f"h = {quantity(h, 'W/m^2/K')}", NONE, NONE, NONE, NONE]
-        rows.append(tuple((each,) for each in cells))
-    caption = (f"From the touched face inward; behind it: {backing_words(analysis)}.",)
+        rows.append(tuple((breakable(each),) for each in cells))
+    caption = (f"From the touched face inward; behind it: {backing_words(analysis)}. {SIZES}, C″ in J/m²K.",)
     return Table(headings, tuple(rows), frozenset(range(3, 8)), caption)
 
 
@@ -60,7 +61,7 @@ def _objects(analysis: Analysis) -> Table:
     levels = list(dict.fromkeys(each.level for each in analysis.sensor.scenarios))
     names = {"low": "bad", "nominal": "usual", "high": "good"}
     headings: tuple[Line, ...] = (
-        ("object",), ("material",), ("as",), ("k, W/mK",), ("ρc, MJ/m³K",), ("e, W s^½/m²K",),
+        ("object",), ("material",), ("as",), ("k",), ("ρc",), ("e",),
         *((f"h, {names[each]}",) for each in levels),
     )  # fmt: skip
     by_object = {(each.object, each.level): each.touch for each in analysis.sensor.scenarios}
@@ -73,8 +74,8 @@ def _objects(analysis: Analysis) -> Table:
         m = touched.material
         cells = [each.called, each.material, form, number(m.conductivity, 3), number(m.volumetric_capacity / 1e6, 3)]
         cells += [number(m.effusivity, 4), *(number(by_object[each.called, level].conductance, 3) for level in levels)]
-        rows.append(tuple((cell,) for cell in cells))
-    return Table(headings, tuple(rows), frozenset(range(3, 6 + len(levels))))
+        rows.append(tuple((breakable(cell),) for cell in cells))
+    return Table(headings, tuple(rows), frozenset(range(3, 6 + len(levels))), (f"{SIZES}, h in W/m²K.",))
 
 
 def _settings(analysis: Analysis) -> Iterator[tuple[Line, ...]]:

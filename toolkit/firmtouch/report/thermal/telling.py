@@ -66,7 +66,7 @@ def _range(analysis: Analysis) -> Iterator[Block]:
     )
     levels = list(dict.fromkeys(each.level for each in analysis.range))
     spreads = {(each.effusivity, each.level): each.spread for each in analysis.range}
-    headings: tuple[Line, ...] = (("e, W s^½/m²K",), *((f"sd(ln e), {LEVELS[each]} contact",) for each in levels))
+    headings: tuple[Line, ...] = (("e, W√s/m²K",), *((f"sd(ln e), {LEVELS[each]} contact",) for each in levels))
     rows: list[tuple[Line, ...]] = [
         ((number(e, 3),), *((number(spreads[e, level], 3),) for level in levels))
         for e in dict.fromkeys(each.effusivity for each in analysis.range)

@@ -29,6 +29,8 @@ def study_verdict(study: Study) -> str:
     told = enumerated(_told(each, analysis) for each in missed[:TOLD])
     more = f", and {len(missed) - TOLD} more" if len(missed) > TOLD else ""
     which = f"{len(missed)} of {count} requirements {'is' if len(missed) == 1 else 'are'} missed"
+    if count == 1:
+        which = "the only requirement is missed"
     if search is not None and not search.found:
         start = f"None of the {search.tried} designs that were tried meets everything; in the nearest {which}"
     else:

@@ -21,7 +21,7 @@ UNITS: Final = {
     "W/m^2": "W/m²",
     "W/m^2/K": "W/m²K",
     "J/m^2/K": "J/m²K",
-    "W s^(1/2)/m^2/K": "W s^½/m²K",
+    "W s^(1/2)/m^2/K": "W√s/m²K",
     "K m^2/W": "K m²/W",
     "ohm": "Ω",
     "1": "",
@@ -39,6 +39,8 @@ METRICS: Final = {"10-90": "10–90 % rise time", "63 %": "time to 63 %", "d_pri
 PERCENT: Final = frozenset({"crosstalk", "feedback"})
 NOTHING: Final = 1e-9
 """Of what is asked or reached: a margin that is less is rounding."""
+LONG: Final = 20
+"""Letters of a name that may need two lines in a table."""
 _SIZE: Final = re.compile(r"\b([he]) = ([0-9][0-9.]*(?:e[+-]?[0-9]+)?)")
 
 
@@ -116,6 +118,7 @@ def requirement_words(outcome: Outcome, spec: SensorSpec) -> str:
 def place_words(where: str) -> str:
     """Write the scenario in which something is worst; its numbers as all others are written."""
     found = _SIZE.sub(lambda match: f"{match[1]} = {number(float(match[2]))}", where)
+    found = found.replace("W s^½/m²K", "W√s/m²K")
     return re.sub(r", (low|nominal|high) h$", lambda match: f", {LEVELS[match[1]]} contact", found)
 
 
@@ -139,3 +142,8 @@ def range_words(values: Iterable[float], unit: str) -> str:
     listed = sorted(values)
     low, high = quantity(listed[0], unit), quantity(listed[-1], unit)
     return low if low == high else f"{low} to {high}"
+
+
+def breakable(text: str) -> str:
+    """Let a long name break after its underscores, where a column is narrow."""
+    return text.replace("_", "_\N{ZERO WIDTH SPACE}") if len(text) > LONG else text

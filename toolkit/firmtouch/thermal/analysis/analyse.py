@@ -57,8 +57,9 @@ class ScenarioResponse:
 class Analysis:
     """All that is found out about a sensor.
 
-    `felt` has the signals, `open_loop` those at constant power where the drive is another, for comparison; `spectra` and
-    `rational` are of the usual contact, and `signal_noise` (K or W/m2) is that of one sample. `spec` is what was analysed: the file's, or a design's.
+    `felt` has the signals, `open_loop` those at constant power where the drive is another, for comparison;
+    `spectra` and `rational` are of the usual contact, and `signal_noise` (K or W/m2) is that of one sample. `spec` is
+    what was analysed: the file's, or a design's.
     """
 
     file: SensorFile

@@ -28,7 +28,7 @@ MAGNITUDE, PHASE, ABOVE, BELOW, BETWEEN = 1.7, 1.15, 0.26, 0.4, 0.14
 """Heights, in inches."""
 STEPS: Final = (15, 30, 45, 90, 180, 360, 720, 1800)
 """Between the phase's ticks, in degrees."""
-DEEPEST: Final = 1440.0
+DEEPEST: Final = 540.0
 """Degrees: how far a dead time's phase is followed."""
 
 
@@ -99,7 +99,7 @@ def _panel(above: Any, below: Any, panel: BodePanel, styles: dict[str | None, St
     above.tick_params(labelbottom=False)
     least, most = _span(panel)
     above.set_ylim(least, most)
-    log_axis(above.yaxis, (least, most), lambda value: _power(value))
+    log_axis(above.yaxis, (least, most), _power)
     _degrees(below, panel)
     above.set_title(panel.title, fontsize=FONT, loc="left", parse_math=False)
     below.set_xlabel("frequency", fontsize=FONT)

@@ -42,7 +42,8 @@ def readable_heights(thicknesses: Sequence[float | None], room: float, row: floa
     layers = [i for i, each in enumerate(thicknesses) if each]
     by_size = sorted(layers, key=lambda i: -(thicknesses[i] or 0.0))
     tried = [_with_cut(thicknesses, frozenset(by_size[:k]), room, row) for k in range(max(len(layers), 1))]
-    return min(tried, key=lambda each: (len(each.raised & frozenset(layers)), len(each.cut)))
+    fitting = [each for each in tried if sum(each.heights) <= room * (1 + 1e-9)] or tried[:1]
+    return min(fitting, key=lambda each: (len(each.raised & frozenset(layers)), len(each.cut)))
 
 
 def _with_cut(thicknesses: Sequence[float | None], cut: frozenset[int], room: float, row: float) -> Heights:

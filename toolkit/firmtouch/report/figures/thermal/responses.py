@@ -20,6 +20,8 @@ HEIGHT, ABOVE, BELOW = 2.1, 0.26, 0.4
 FONT: Final = 7.8
 SINGLE: Final = 4.4
 """Width of a picture of one panel, in inches."""
+DEEPEST: Final = -1.0
+"""How far a response is followed that begins the wrong way."""
 BEFORE: Final = 0.15
 """Of the earliest mark: where the axis of time begins."""
 
@@ -75,7 +77,8 @@ def _panel(axes: Any, panel: Panel, styles: Styles, asked: float | None) -> None
         axes.axhline(level, color=MUTED, linewidth=0.7, linestyle=":", zorder=1)
     end = max(float(each.t[-1]) for each in panel.curves)
     axes.set_xlim(BEFORE * min(marks, default=1e-3 * end), end)
-    axes.set_ylim(-0.04, 1.06)
+    least = min(float(each.share.min()) for each in panel.curves)
+    axes.set_ylim(max(min(-0.04, 1.06 * least), DEEPEST), 1.06)
     if asked is not None and axes.get_xlim()[0] < asked < end:
         axes.axvline(asked, color=INK, linewidth=0.9, linestyle="--", zorder=1)
     axes.set_title(panel.title, fontsize=FONT, loc="left", parse_math=False)

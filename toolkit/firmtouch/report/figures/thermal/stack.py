@@ -27,9 +27,9 @@ if TYPE_CHECKING:
 
 WIDTH: Final = 6.4
 """Of the picture, in inches, as all lengths here."""
-ROW: Final = 0.2
+ROW: Final = 0.17
 """Least height of an entry, so that its words touch no others."""
-LEAST, MOST_ROOM = 2.3, 8.0
+LEAST, MORE = 2.3, 0.1
 TRUE, READ = (0.12, 0.62), (1.15, 2.95)
 """Where both columns begin and end."""
 WORDS, SIZES = 3.08, 6.34
@@ -78,8 +78,7 @@ class StackView:
 def layout_of(view: StackView) -> Heights:
     """Give the heights (inches) of the readable column."""
     thicknesses = [each.thickness for each in view.bands]
-    room = min(max(LEAST, 1.25 * ROW * len(view.bands) + 1.0), MOST_ROOM)
-    return readable_heights(thicknesses, max(room, ROW * len(view.bands)), ROW)
+    return readable_heights(thicknesses, max(LEAST, MORE + 1.02 * ROW * len(view.bands)), ROW)
 
 
 def stack_picture(view: StackView) -> str:
@@ -111,7 +110,7 @@ def draw_stack(view: StackView) -> Figure:
     for i in layout.cut:
         _cut(axes, float(edges[i] + edges[i + 1]) / 2)
     _planes(axes, view, edges)
-    _write(axes, view, edges, top)
+    _write(axes, view, edges)
     for (sides, _), words in zip(columns[::-1], ("thin layers magnified", "to scale"), strict=False):
         _title(axes, sides, "to scale" if layout.to_scale else words)
     return figure
@@ -148,13 +147,13 @@ def _ends(axes: Any, view: StackView, sides: tuple[float, float], top: float, bo
     from matplotlib.patches import Rectangle
 
     left, right = sides
-    style = {"facecolor": SURFACE, "edgecolor": SURFACE_EDGE, "linewidth": 0.8}
+    style: dict[str, Any] = {"facecolor": SURFACE, "edgecolor": SURFACE_EDGE, "linewidth": 0.8}
     axes.add_patch(Rectangle((left, TITLE), right - left, OBJECT, hatch="///", **style))
     if view.backing_kind == "air":
         axes.plot([left, right], [bottom, bottom], color=INK, linewidth=1.0)
         return
     hatch = {"base": "xxxx", "half_space": "", "adiabatic": "...."}[view.backing_kind]
-    plain = {"facecolor": FAINT, "edgecolor": MUTED, "linewidth": 0.8}
+    plain: dict[str, Any] = {"facecolor": FAINT, "edgecolor": MUTED, "linewidth": 0.8}
     axes.add_patch(Rectangle((left, bottom), right - left, BACKING, hatch=hatch, **plain))
     axes.plot([left, right], [top, top], color=INK, linewidth=1.2)
 
@@ -178,7 +177,7 @@ def _cut(axes: Any, middle: float) -> None:  # noqa: ANN401  # matplotlib
 
 def _planes(axes: Any, view: StackView, edges: Any) -> None:  # noqa: ANN401  # matplotlib
     """Mark the sensed plane in the left half of the column, the heated one in its right half."""
-    marks = [(view.sensed, ARM, "sensed", 0.27, "-")]
+    marks: list[tuple[Plane, str, str, float, Any]] = [(view.sensed, ARM, "sensed", 0.27, "-")]
     if view.heated is not None:
         marks.append((view.heated, FORCE, "heated", 0.73, (0, (4, 2))))
     for plane, colour, words, part, dash in marks:
@@ -190,7 +189,7 @@ def _planes(axes: Any, view: StackView, edges: Any) -> None:  # noqa: ANN401  # 
         )  # fmt: skip
 
 
-def _write(axes: Any, view: StackView, edges: Any, top: float) -> None:  # noqa: ANN401  # matplotlib
+def _write(axes: Any, view: StackView, edges: Any) -> None:  # noqa: ANN401  # matplotlib
     """Write beside each entry what it is; rows are so high that no words meet."""
     style: dict[str, Any] = {"fontsize": FONT, "va": "center", "color": INK, "parse_math": False}
     axes.text(WORDS, TITLE + OBJECT / 2, shortened(view.touched, LETTERS + 14), **style)

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from firmtouch.report import design_document, render_html, render_pdf, verdict
-from firmtouch.report.document import Code, Document, Figure, Math, Matrices, Paragraph, Section, Strong, Table
 from firmtouch.report.contents.specification import tradeoff
+from firmtouch.report.document import Code, Document, Figure, Math, Matrices, Paragraph, Section, Strong, Table
 from firmtouch.report.figures import front_chart, region_plane
 from firmtouch.report.figures.canvas import ARM, FORCE, GOOD
 from firmtouch.report.numbers import number

@@ -102,19 +102,20 @@ def tradeoff(front: Front) -> Tradeoff:
         return Axis(WORDS[name], unit, tuple(factor * each.figures[name] for each in front.designs))
 
     x, y, *more = (axis(each) for each in front.objectives)
-    i = _place(front)
-    chosen = None if i is None else (x.values[i], y.values[i])
+    first, second, *_ = ((name, AXES[name][0]) for name in front.objectives)
+    chosen = (first[1] * front.chosen.figures[first[0]], second[1] * front.chosen.figures[second[0]])
     return Tradeoff(x, y, chosen, more[0] if more else None)
 
 
-def _place(front: Front) -> int | None:
-    """Find the chosen design on the front."""
-    return next((i for i, each in enumerate(front.designs) if each.x == front.chosen.x), None)
+def _shown(front: Front) -> tuple[Candidate, ...]:
+    """List the designs of the front, and before them the chosen one, where rounding took it off the front."""
+    on_front = any(each.x == front.chosen.x for each in front.designs)
+    return front.designs if on_front else (front.chosen, *front.designs)
 
 
 def _chart(front: Front) -> Figure:
     names = front.objectives
-    ring = "; the ring is the chosen design" if _place(front) is not None else ""
+    ring = "; the ring is the chosen design"
     caption = f"The best {WORDS[names[1]]} for each {WORDS[names[0]]}{ring}."
     if len(names) > 2:
         caption = f"{WORDS[names[1]].capitalize()} against {WORDS[names[0]]}, with {WORDS[names[2]]} as colour{ring}."
@@ -123,14 +124,13 @@ def _chart(front: Front) -> Figure:
 
 
 def _designs(front: Front, found: SearchResult) -> Table:
-    differ = [
-        each for each in found.variables if len({value_words(each, d.values[each.path]) for d in front.designs}) > 1
-    ]
+    designs = _shown(front)
+    differ = [each for each in found.variables if len({value_words(each, d.values[each.path]) for d in designs}) > 1]
     shown = differ[:MOST_COLUMNS]
     headings: tuple[Line, ...] = (*((WORDS[each],) for each in front.objectives), *((each.name,) for each in shown))
-    rows = tuple(tuple(_row(each, front, shown)) for each in front.designs)
+    rows = tuple(tuple(_row(each, front, shown)) for each in designs)
     alike, more = len(found.variables) - len(differ), len(differ) - len(shown)
-    words = ["Bold: the chosen design."] if _place(front) is not None else []
+    words = ["Bold: the chosen design."]
     if alike:
         has = "variable has" if alike == 1 else "variables have"
         words.append(f"{alike} other {has} one value in all of these.")
@@ -138,7 +138,7 @@ def _designs(front: Front, found: SearchResult) -> Table:
         words.append(f"{more} more {'variable differs' if more == 1 else 'variables differ'}.")
     numeric = set(range(len(front.objectives)))
     numeric |= {len(front.objectives) + i for i, each in enumerate(shown) if not each.choices}
-    return Table(headings, rows, frozenset(numeric), (" ".join(words),) if words else ())
+    return Table(headings, rows, frozenset(numeric), (" ".join(words),))
 
 
 def _row(design: Candidate, front: Front, shown: list[Variable]) -> Iterator[Line]:

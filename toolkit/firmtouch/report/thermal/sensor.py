@@ -71,6 +71,8 @@ def _objects(analysis: Analysis) -> Table:
         if isinstance(touched, Base):
             continue
         form = f"plate, {quantity(touched.thickness, 'm')}" if isinstance(touched, Slab) else "deep"
+        if each.thickness is not None and not isinstance(touched, Slab):
+            form = "taken as deep"
         m = touched.material
         cells = [each.called, each.material, form, number(m.conductivity, 3), number(m.volumetric_capacity / 1e6, 3)]
         cells += [number(m.effusivity, 4), *(number(by_object[each.called, level].conductance, 3) for level in levels)]

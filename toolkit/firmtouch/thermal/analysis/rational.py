@@ -61,10 +61,9 @@ def dead_time(sensor: Sensor) -> float:
 
 def _unit_step(sensor: Sensor, touch: Touch) -> Response:
     """Give the step response of H(s), without its dead time."""
-    late = dead_time(sensor)
 
     def transform(s: Complex) -> Complex:
-        return np.asarray(signal_transfer(sensor, [touch], s)[0] * np.exp(s * late) / s)
+        return np.asarray(signal_transfer(sensor, [touch], s, prompt=True)[0] / s)
 
     if isinstance(sensor.drive, HeldTemperature):
         return lambda t: euler(transform, t)

@@ -9,6 +9,7 @@ from typing import Final
 
 import numpy as np
 
+from firmtouch.thermal.analysis.felt import least_distance
 from firmtouch.thermal.arrays import Array, Complex
 from firmtouch.thermal.loop import loop_transfer, power_transfer, temperature_transfer
 from firmtouch.thermal.quadrupole import contact_transfer, frequency_response, heater_transfer
@@ -84,15 +85,16 @@ def signal_unit(sensor: Sensor) -> str:
             return "K/K"
 
 
-def signal_transfer(sensor: Sensor, touches: Sequence[Touch], s: Complex) -> Complex:
-    """Give H(s) of the signal by what makes it, a row for each touch.
+def signal_transfer(sensor: Sensor, touches: Sequence[Touch], s: Complex, *, prompt: bool = False) -> Complex:
+    """Give H(s) of the signal by what makes it, a row for each touch; `prompt`, without its dead time.
 
     Of a pulse it is that for the heater's power; the part that T_o - T_s makes besides is that of a constant power.
     """
     match sensor.drive:
-        case HeldTemperature(loop=loop, reads_power=reads_power):
-            transfer = power_transfer if reads_power else temperature_transfer
-            return transfer(sensor.stack, touches, loop, s)
+        case HeldTemperature(loop=loop, reads_power=True):
+            return power_transfer(sensor.stack, touches, loop, s, prompt=prompt)
+        case HeldTemperature(loop=loop):
+            return temperature_transfer(sensor.stack, touches, loop, s)
         case Pulsed(pulse=pulse):
             return heater_transfer(sensor.stack, touches, s, heater=pulse.heater)
         case _:
@@ -137,10 +139,14 @@ def _loops(sensor: Sensor, scenarios: tuple[Scenario, ...], omega: Array, end: i
     fronts: list[Front] = [sensor.front, *(each.touch for each in scenarios)]
     L = loop_transfer(sensor.stack, fronts, sensor.drive.loop, 1j * omega)
     names = [None, *(each.object for each in scenarios)]
-    return tuple(_loop(name, row, omega, end) for name, row in zip(names, L, strict=True))
+    margins = [
+        least_distance(sensor.stack, front, sensor.drive.loop, omega, np.abs(1 + row))
+        for front, row in zip(fronts, L, strict=True)
+    ]
+    return tuple(_loop(name, row, omega, end, margin) for name, row, margin in zip(names, L, margins, strict=True))
 
 
-def _loop(name: str | None, L: Complex, omega: Array, end: int) -> LoopSpectrum:
+def _loop(name: str | None, L: Complex, omega: Array, end: int, margin: float) -> LoopSpectrum:
     magnitude, phase = frequency_response(L)
     falls = np.flatnonzero((magnitude[:-1] >= 1) != (magnitude[1:] >= 1))
     at = [_crossing(omega, magnitude, int(i), 1.0) for i in falls]
@@ -153,7 +159,7 @@ def _loop(name: str | None, L: Complex, omega: Array, end: int) -> LoopSpectrum:
         crossover=at[-1] if at else math.inf,
         gain_margin=_gain_margin(L),
         phase_margin=min(distances, default=math.inf),
-        modulus_margin=min(1.0, float(np.abs(1 + L).min())),
+        modulus_margin=margin,
     )
 
 

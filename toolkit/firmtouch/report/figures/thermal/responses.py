@@ -52,7 +52,7 @@ def responses_picture(names: Sequence[str], panels: Sequence[Panel], asked: floa
         height = ABOVE + HEIGHT + below
         figure = new_figure(width, height, layout=None)
         sides = {
-            "left": 0.51 / width,
+            "left": 0.58 / width,
             "right": 1 - 0.22 / width,
             "top": 1 - ABOVE / height,
             "bottom": below / height,

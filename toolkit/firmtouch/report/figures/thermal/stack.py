@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from dataclasses import dataclass
+from functools import lru_cache
+from itertools import accumulate
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -34,8 +37,8 @@ TRUE, READ = (0.12, 0.62), (1.15, 2.95)
 """Where both columns begin and end."""
 WORDS, SIZES = 3.08, 6.34
 """Where names begin, and where sizes end."""
-LETTERS: Final = 40
-"""That fit between."""
+APART: Final = 0.12
+"""Least distance of words that stand side by side."""
 OBJECT, GAP, BACKING, TITLE = 0.3, 0.2, 0.3, 0.22
 NARROW: Final = 0.03
 """Of a column: what is less high has no guide line."""
@@ -192,26 +195,49 @@ def _planes(axes: Any, view: StackView, edges: Any) -> None:  # noqa: ANN401  # 
 def _write(axes: Any, view: StackView, edges: Any) -> None:  # noqa: ANN401  # matplotlib
     """Write beside each entry what it is; rows are so high that no words meet."""
     style: dict[str, Any] = {"fontsize": FONT, "va": "center", "color": INK, "parse_math": False}
-    axes.text(WORDS, TITLE + OBJECT / 2, shortened(view.touched, LETTERS + 14), **style)
+    room = SIZES - WORDS
+    axes.text(WORDS, TITLE + OBJECT / 2, shortened(view.touched, room), **style)
     axes.text(WORDS, TITLE + OBJECT + GAP / 2, view.contact, **(style | {"color": MUTED}))
     for i, band in enumerate(view.bands):
         middle = float(edges[i] + edges[i + 1]) / 2
         axes.plot([READ[1] + 0.03, WORDS - 0.03], [middle, middle], color=MUTED, linewidth=0.5)
-        axes.text(WORDS, middle, _called(band), **style)
+        axes.text(WORDS, middle, _called(band, room - width_of(band.size) - APART), **style)
         axes.text(SIZES, middle, band.size, ha="right", **style)
-    axes.text(WORDS, float(edges[-1]) + BACKING / 2, shortened(view.backing, LETTERS + 14), **style)
+    axes.text(WORDS, float(edges[-1]) + BACKING / 2, shortened(view.backing, room), **style)
 
 
-def _called(band: Band) -> str:
+def _called(band: Band, room: float) -> str:
+    """Name an entry and its material; where both do not fit, each is cut to its half."""
     if not band.material or band.material == band.name:
-        return shortened(band.name, LETTERS)
-    material = shortened(band.material, max(LETTERS - 3 - len(band.name), LETTERS // 2))
-    return f"{shortened(band.name, LETTERS - 3 - len(material))} · {material}"
+        return shortened(band.name, room)
+    whole = f"{band.name} · {band.material}"
+    if width_of(whole) <= room:
+        return whole
+    half = (room - width_of(" · ")) / 2
+    name = shortened(band.name, max(half, 2 * half - width_of(band.material)))
+    return f"{name} · {shortened(band.material, 2 * half - width_of(name))}"
 
 
-def shortened(words: str, letters: int) -> str:
-    """Cut words that are too long for their room."""
-    return words if len(words) <= letters else f"{words[: letters - 1]}…"
+def width_of(words: str) -> float:
+    """Measure words (inches), letter by letter."""
+    return sum(map(_letter, words))
+
+
+@lru_cache(maxsize=1024)
+def _letter(letter: str) -> float:
+    from matplotlib.font_manager import FontProperties
+    from matplotlib.textpath import text_to_path
+
+    width, _, _ = text_to_path.get_text_width_height_descent(letter, FontProperties(size=FONT), ismath=False)
+    return float(width) / 72
+
+
+def shortened(words: str, room: float) -> str:
+    """Cut words that are wider than their room (inches)."""
+    if width_of(words) <= room:
+        return words
+    places = list(accumulate(map(_letter, words), initial=_letter("…")))
+    return f"{words[: max(bisect_right(places, room) - 1, 0)]}…"
 
 
 def _title(axes: Any, sides: tuple[float, float], words: str) -> None:  # noqa: ANN401  # matplotlib

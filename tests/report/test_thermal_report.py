@@ -366,3 +366,20 @@ def test_the_larger_models_are_reported_whole(name):
     assert {"Telling objects apart", "Neighbours"} <= set(titles(shipped(name)))
     assert render_html(document).count("<figure") == 3
     assert render_pdf(document).startswith(b"%PDF")
+
+
+@pytest.mark.slow
+@pytest.mark.browser
+@pytest.mark.parametrize("width", [390, 1280])
+def test_the_page_fits_a_phone_and_a_desk(browser, tmp_path, width):
+    path = tmp_path / "report.html"
+    path.write_text(render_html(document_of(looped())), encoding="utf-8")
+    context = browser.new_context(viewport={"width": width, "height": 844})
+    page = context.new_page()
+    page.goto(path.as_uri(), wait_until="load")
+    found = page.evaluate(
+        "() => [document.scrollingElement.scrollWidth, document.querySelectorAll('figure svg').length]"
+    )
+    context.close()
+    assert found[0] <= width
+    assert found[1] == 3

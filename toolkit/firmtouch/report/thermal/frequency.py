@@ -73,7 +73,7 @@ def _figure(analysis: Analysis) -> Figure:
 
 
 def _hertz(omega: float) -> str:
-    return "beyond all" if math.isinf(omega) else quantity(omega / TURN, "Hz")
+    return "no limit" if math.isinf(omega) else quantity(omega / TURN, "Hz")
 
 
 def _margins(analysis: Analysis) -> Iterator[Block]:

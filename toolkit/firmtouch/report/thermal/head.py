@@ -18,6 +18,7 @@ from firmtouch.report.thermal.words import (
     outcome_words,
     quantity,
     requirement_words,
+    tidied,
 )
 from firmtouch.thermal.analysis import Analysis
 from firmtouch.thermal.study import Study
@@ -31,7 +32,7 @@ def section(study: Study) -> Section:
     analysis = study.analysis
     mood = "good" if study.verdict == "met" else "warning"
     blocks: list[Block] = [Callout(mood, (study_verdict(study),))]
-    blocks += [Callout("warning", coded(each)) for each in analysis.warnings]
+    blocks += [Callout("warning", coded(tidied(each))) for each in analysis.warnings]
     if analysis.spec.description:
         blocks.append(Paragraph((analysis.spec.description,)))
     blocks.append(Cards(tuple(_cards(analysis))[:CARDS]))

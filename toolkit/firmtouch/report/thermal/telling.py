@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from firmtouch.report.document import Block, Line, Math, Paragraph, Section, Table
 from firmtouch.report.numbers import number
 from firmtouch.report.thermal.sensor import prior_words
-from firmtouch.report.thermal.words import LEVELS, quantity, unit_words
+from firmtouch.report.thermal.words import LEVELS, quantity
 from firmtouch.thermal.analysis import Analysis
 
 
@@ -78,14 +78,15 @@ def _noise(analysis: Analysis) -> Iterator[Block]:
     readout, total = analysis.sensor.readout, analysis.signal_noise
     if readout is None or total is None:
         return
-    unit = analysis.sensor.drive.unit
-    signal = (
-        f" One sample of the signal has a noise of {quantity(total, unit)}."
-        if unit != "K" or total != readout.noise
-        else ""
-    )
+    unit, signal = analysis.sensor.drive.unit, ""
+    if unit == "W/m^2":
+        signal = f"The loop makes a noise of {quantity(total, unit)} of it, in one sample of its power."
+    elif total != readout.noise:
+        signal = f"The difference of two pads has {quantity(total, unit)}."
     if readout.sources is None:
-        yield Paragraph((f"The noise of the temperature is {quantity(readout.noise, 'K')}, as measured.{signal}",))
+        yield Paragraph(
+            (f"The noise of the temperature is {quantity(readout.noise, 'K')}, as measured. {signal}".strip(),)
+        )
         return
     yield Paragraph((f"Where the noise of one sample is from, in a bandwidth of {quantity(readout.bandwidth, 'Hz')}:",))
     volts, kelvins = readout.sources.voltage, readout.sources.netd
@@ -96,5 +97,4 @@ def _noise(analysis: Analysis) -> Iterator[Block]:
         (("quantisation",), (quantity(volts.quantisation, "V"),), (quantity(kelvins.quantisation, "K"),)),
         (("together",), (quantity(volts.total, "V"),), (quantity(kelvins.total, "K"),)),
     ]
-    how = f"{signal} ({unit_words(unit)}: what the loop makes of it.)" if unit == "W/m^2" else signal
-    yield Table(headings, tuple(rows), frozenset({1, 2}), (how.strip(),) if how else ())
+    yield Table(headings, tuple(rows), frozenset({1, 2}), (signal,) if signal else ())

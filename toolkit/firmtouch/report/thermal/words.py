@@ -41,6 +41,7 @@ NOTHING: Final = 1e-9
 """Of what is asked or reached: a margin that is less is rounding."""
 LONG: Final = 20
 """Letters of a name that may need two lines in a table."""
+_POWER: Final = re.compile(r"-?[0-9.]+e[+-][0-9]+(?= W/m²)")
 _SIZE: Final = re.compile(r"\b([he]) = ([0-9][0-9.]*(?:e[+-]?[0-9]+)?)")
 
 
@@ -120,6 +121,11 @@ def place_words(where: str) -> str:
     found = _SIZE.sub(lambda match: f"{match[1]} = {number(float(match[2]))}", where)
     found = found.replace("W s^½/m²K", "W√s/m²K")
     return re.sub(r", (low|nominal|high) h$", lambda match: f", {LEVELS[match[1]]} contact", found)
+
+
+def tidied(text: str) -> str:
+    """Write the powers of a sentence as all other numbers are written: 1.39e+05 W/m² as 1.39×10⁵ W/m²."""
+    return _POWER.sub(lambda match: number(float(match[0])), text)
 
 
 def coded(text: str) -> Line:

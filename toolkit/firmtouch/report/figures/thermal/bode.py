@@ -11,7 +11,7 @@ import numpy as np
 
 from firmtouch.report.figures.canvas import FORCE, INK, MUTED, as_svg, new_figure, styled
 from firmtouch.report.figures.line_styles import (
-    COLOURS,
+    APART,
     ROW,
     Key,
     Style,
@@ -53,7 +53,7 @@ class BodePanel:
 
 def bode_picture(names: Sequence[str], panels: Sequence[BodePanel]) -> str:
     """Draw panels side by side; the names give the lines' styles, the same in all panels."""
-    found = styles_of(names, COLOURS)
+    found = styles_of(names, APART)
     styles: dict[str | None, Style] = dict(zip(names, found.lines, strict=True))
     keys = found.keys
     if any(each.name is None for panel in panels for each in panel.curves):

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from firmtouch.report.figures.canvas import INK, MUTED, as_svg, new_figure, styled
-from firmtouch.report.figures.line_styles import COLOURS, ROW, Styles, draw_legend, legend_rows, styles_of
+from firmtouch.report.figures.line_styles import APART, ROW, Styles, draw_legend, legend_rows, styles_of
 from firmtouch.report.figures.thermal.stack import WIDTH
 from firmtouch.report.numbers import number
 
@@ -45,7 +45,7 @@ class Panel:
 
 def responses_picture(names: Sequence[str], panels: Sequence[Panel], asked: float | None = None) -> str:
     """Draw panels side by side; `asked` (s) is the rise time that is asked for, as a line."""
-    styles = styles_of(names, COLOURS)
+    styles = styles_of(names, APART)
     with styled():
         width = WIDTH if len(panels) > 1 else SINGLE
         below = BELOW + ROW * legend_rows(styles.keys, width) + 0.05

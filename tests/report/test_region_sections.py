@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from firmtouch.report import design_document, render_html, render_pdf, verdict
+from firmtouch.report.contents.specification import tradeoff
 from firmtouch.report.document import Code, Document, Figure, Math, Matrices, Paragraph, Section, Strong, Table
 from firmtouch.report.figures import front_chart, region_plane
 from firmtouch.report.figures.canvas import ARM, FORCE, GOOD
@@ -338,11 +339,11 @@ def test_a_disc_far_beyond_the_poles_is_told_of_and_not_drawn():
 def test_a_front_shows_its_points_its_ends_and_the_design(full):
     points = tuple(FrontPoint(x, 1 / x) for x in (1.0, 2.0, 3.0, 4.0))
     front = Front("size", "error", "N m/rad", "N", points, points[1])
-    svg = front_chart(front)
+    svg = front_chart(tradeoff(front))
     assert len(in_frame(svg, ARM)) == 4
     assert len(in_frame(svg, FORCE)) == 1
     assert {"least size", "least error", "size, N m/rad", "error, N", "this design"} <= set(written(svg))
-    assert not in_frame(front_chart(replace(front, chosen=None)), FORCE)
+    assert not in_frame(front_chart(tradeoff(replace(front, chosen=None))), FORCE)
     figures = [each for each in section(full, "Specification").blocks if isinstance(each, Figure)]
     assert len(figures) == 1
     assert len(in_frame(figures[0].svg, ARM)) == len(full.design.region.front.points)

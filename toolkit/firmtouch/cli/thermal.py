@@ -85,27 +85,24 @@ def _contents(study: Study, progress: Callable[[str], None], *, pdf: bool) -> di
 
 def _print(study: Study) -> None:
     """Print the verdict, a table of what is asked, and what binds."""
+    from rich.markup import escape
     from rich.table import Table
 
     from firmtouch.report.thermal import requirement_rows, study_verdict
+    from firmtouch.report.thermal.words import tidied
 
     console = results_console()
     console.print(study_verdict(study), markup=False, soft_wrap=not console.is_terminal)
     for warning in study.analysis.warnings:
         talk = talk_console()
-        talk.print(f"warning: {warning}", style="yellow", markup=False, soft_wrap=not talk.is_terminal)
+        talk.print(f"warning: {tidied(warning)}", style="yellow", markup=False, soft_wrap=not talk.is_terminal)
     rows = requirement_rows(study.analysis)
     if not rows:
         return
     table = Table(box=None, pad_edge=False)
     for heading in ("", "requirement", "asked", "reached", "margin", "worst in"):
         table.add_column(heading, justify="right" if heading in {"asked", "reached", "margin"} else "left")
-    for met, *cells in rows:
-        table.add_row("[green]ok[/]" if met else "[red]no[/]", *(_escaped(each) for each in cells))
+    for each in rows:
+        cells = (each.name, each.asked, each.reached, each.margin, each.where)
+        table.add_row("[green]ok[/]" if each.met else "[red]no[/]", *map(escape, cells))
     console.print(table)
-
-
-def _escaped(text: str) -> str:
-    from rich.markup import escape
-
-    return escape(text)

@@ -6,9 +6,10 @@ import math
 import re
 from collections.abc import Iterable
 from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
-from firmtouch.mechanics import Array
+if TYPE_CHECKING:  # else CasADi would be loaded for every report
+    from firmtouch.mechanics import Array
 
 _SUPERSCRIPTS: Final = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 NEGLIGIBLE: Final = 1e-11

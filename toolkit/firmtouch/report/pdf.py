@@ -49,7 +49,8 @@ def _document(document: Document, names: dict[Figure, str]) -> Iterator[str]:
         if section.title:
             yield f"= #{_string(section.title)}"
         for block, after in zip_longest(section.blocks, section.blocks[1:]):
-            leads = isinstance(block, Paragraph) and isinstance(after, Table)  # and is not left alone on a page
+            # a paragraph that leads to something is not left alone on a page
+            leads = isinstance(block, Paragraph) and isinstance(after, Table | Figure | Equation)
             yield f"#block(sticky: true)[{_block(block, names)}]" if leads else _block(block, names)
             yield ""
 

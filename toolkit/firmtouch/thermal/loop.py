@@ -81,12 +81,17 @@ def loop_transfer(stack: Stack, front: Front | Sequence[Front], loop: Loop, s: A
     return loop.controller(s) * heater_transfer(stack, front, s, heater=loop.heater) * loop.sensor(s)
 
 
-def power_transfer(stack: Stack, touch: Touch | Sequence[Touch], loop: Loop, s: ArrayLike) -> Complex:
-    """Give the heater's p''/dV (W/m2K), times 1/s for the step at contact."""
+def power_transfer(
+    stack: Stack, touch: Touch | Sequence[Touch], loop: Loop, s: ArrayLike, *, prompt: bool = False
+) -> Complex:
+    """Give the heater's p''/dV (W/m2K), times 1/s for the step at contact.
+
+    `prompt` leaves out the e^{-s T_d} in front, which only moves it in time: its inverse would overflow.
+    """
     s = np.asarray(s, dtype=np.complex128)
-    driven = loop.controller(s) * loop.sensor(s)
-    passage = heater_transfer(stack, touch, s, heater=loop.heater)
-    return np.asarray(-driven * contact_transfer(stack, touch, s).sensed / (1 + driven * passage))
+    driven = loop.controller(s) / (1 + loop.sensor_lag * s) if prompt else loop.controller(s) * loop.sensor(s)
+    L = loop_transfer(stack, touch, loop, s)
+    return np.asarray(-driven * contact_transfer(stack, touch, s).sensed / (1 + L))
 
 
 def temperature_transfer(stack: Stack, touch: Touch | Sequence[Touch], loop: Loop, s: ArrayLike) -> Complex:
@@ -193,7 +198,7 @@ def power_response(stack: Stack, touch: Touch, loop: Loop, t: ArrayLike) -> Arra
     after = times > loop.dead_time
 
     def transform(s: Complex) -> Complex:
-        return np.asarray(power_transfer(stack, touch, loop, s) * np.exp(s * loop.dead_time) / s)
+        return np.asarray(power_transfer(stack, touch, loop, s, prompt=True) / s)
 
     if after.any():
         found[after] = _invert_loop(stack, touch, loop, transform, times[after] - loop.dead_time)

@@ -74,11 +74,13 @@ def _contacts(sensor: Sensor, touches: Sequence[Touch], t: Array) -> Array:
 
 
 def _of_loop(sensor: Sensor, drive: HeldTemperature, touches: Sequence[Touch], t: Array, order: int) -> Array:
-    loop, transfer = drive.loop, power_transfer if drive.reads_power else temperature_transfer
+    loop = drive.loop
     late = loop.dead_time if drive.reads_power else 0.0
 
     def transform(s: Complex) -> Complex:
-        return np.asarray(transfer(sensor.stack, touches, loop, s) * np.exp(s * late) / s)
+        if drive.reads_power:
+            return np.asarray(power_transfer(sensor.stack, touches, loop, s, prompt=True) / s)
+        return np.asarray(temperature_transfer(sensor.stack, touches, loop, s) / s)
 
     found = np.zeros((len(touches), t.size))
     after = t > late

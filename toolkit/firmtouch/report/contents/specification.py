@@ -31,7 +31,7 @@ from firmtouch.report.document import (
     Section,
     Table,
 )
-from firmtouch.report.figures import front_chart
+from firmtouch.report.figures.front import Axis, Tradeoff, front_chart
 from firmtouch.report.numbers import number, vector
 
 if TYPE_CHECKING:  # else cvxpy would be loaded for every report
@@ -247,4 +247,11 @@ def _front(front: Front, prefix: str) -> Figure:
     ends = (front.points[0], front.points[-1])
     told = " to ".join(f"{number(p.x, 3)} {front.x_unit} and {number(p.y, 3)} {front.y_unit}" for p in ends)
     alt = f"Front of {front.y} against {front.x} with {len(front.points)} points, from {told}"
-    return Figure(front_chart(front, prefix), (f"{caption}{design}.",), alt, 0.66)
+    return Figure(front_chart(tradeoff(front), prefix), (f"{caption}{design}.",), alt, 0.66)
+
+
+def tradeoff(front: Front) -> Tradeoff:
+    """Give a front as it is drawn; there must be a point."""
+    x, y = (tuple(getattr(each, axis) for each in front.points) for axis in ("x", "y"))
+    chosen = None if front.chosen is None else (front.chosen.x, front.chosen.y)
+    return Tradeoff(Axis(front.x, front.x_unit, x), Axis(front.y, front.y_unit, y), chosen)

@@ -1,10 +1,28 @@
-"""The report's pictures, each a function from values to SVG."""
+"""The report's pictures, each a function from values to SVG; loaded when they are first used."""
 
-from firmtouch.report.figures.eigenvalues import eigenvalue_chart
-from firmtouch.report.figures.force_loop import nyquist_picture, stiffness_picture
-from firmtouch.report.figures.front import front_chart
-from firmtouch.report.figures.mechanism import mechanism_picture
-from firmtouch.report.figures.s_plane import region_plane, s_plane
+from __future__ import annotations
+
+import importlib
+
+from firmtouch.report.figures.s_plane import region_plane, s_plane  # a function with its module's name
+
+TYPE_CHECKING = False
+
+if TYPE_CHECKING:
+    from typing import Any, Final
+
+    from firmtouch.report.figures.eigenvalues import eigenvalue_chart
+    from firmtouch.report.figures.force_loop import nyquist_picture, stiffness_picture
+    from firmtouch.report.figures.front import front_chart
+    from firmtouch.report.figures.mechanism import mechanism_picture
+
+_HOME_OF: Final = {
+    "eigenvalue_chart": "eigenvalues",
+    "front_chart": "front",
+    "mechanism_picture": "mechanism",
+    "nyquist_picture": "force_loop",
+    "stiffness_picture": "force_loop",
+}
 
 __all__ = [
     "eigenvalue_chart",
@@ -15,3 +33,10 @@ __all__ = [
     "s_plane",
     "stiffness_picture",
 ]
+
+
+def __getattr__(name: str) -> Any:  # noqa: ANN401  # whatever the name stands for
+    home = _HOME_OF.get(name)
+    if home is None:
+        raise AttributeError(f"module 'firmtouch.report.figures' has no attribute {name!r}")
+    return getattr(importlib.import_module(f"firmtouch.report.figures.{home}"), name)

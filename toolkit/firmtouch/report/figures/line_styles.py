@@ -11,6 +11,9 @@ from firmtouch.report.figures.canvas import INK, MUTED
 
 Dash = Literal["-"] | tuple[float, tuple[float, ...]]
 DASHES: Final[tuple[Dash, ...]] = ("-", (0, (4, 1.4)), (0, (1.2, 1.1)), (0, (5, 1.2, 1.2, 1.2)))
+COLOURS: Final = ("#2b5c8a", "#c07a1f", "#2f7d4f", "#8a3f8f", "#1b9aaa", "#8c5a4a", "#5a6f8c", "#7c6f2c")
+APART: Final = (*COLOURS[:6], "#c23f6e", "#20262c")
+"""Colours of up to eight curves that cross each other, of which no two are alike."""
 LETTER, HANDLE = 0.062, 0.5
 """Widths of a letter of the legend, and of the line beside it with its gaps, in inches."""
 ROW: Final = 0.155
@@ -93,7 +96,7 @@ def draw_legend(figure: Any, keys: Sequence[Key], width: float) -> None:  # noqa
     handles += [Line2D([], [], linestyle="none")] * empty
     labels += [""] * empty
     order = [i * columns + j for j in range(columns) for i in range(rows)]  # matplotlib goes down the columns
-    figure.legend(
+    legend = figure.legend(
         [handles[i] for i in order],
         [labels[i] for i in order],
         loc="lower center",
@@ -104,6 +107,8 @@ def draw_legend(figure: Any, keys: Sequence[Key], width: float) -> None:  # noqa
         labelspacing=0.35,
         borderpad=0.1,
     )
+    for each in legend.get_texts():
+        each.set_parse_math(False)  # names of a file are never formulas
 
 
 def _line(style: Style) -> Any:  # noqa: ANN401  # matplotlib

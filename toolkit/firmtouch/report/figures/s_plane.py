@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from firmtouch.mechanics import Array
 from firmtouch.report.figures.canvas import ARM, FAINT, FORCE, GOOD, INK, MUTED, as_svg, new_figure, styled
+
+if TYPE_CHECKING:  # else CasADi would be loaded for every report
+    from firmtouch.mechanics import Array
 
 FARTHEST: Final = 2.5
 """A disc that reaches further than this beyond the poles is told of, but not drawn: it would make them small."""

@@ -10,14 +10,13 @@ from firmtouch.mechanics import Array
 from firmtouch.modelfile.vector_units import units_of
 from firmtouch.regulation import OperatingPoint
 from firmtouch.report.figures.canvas import FORCE, MUTED, as_svg, new_figure, styled
-from firmtouch.report.figures.line_styles import ROW, Key, Style, Styles, draw_legend, legend_rows, styles_of
+from firmtouch.report.figures.line_styles import COLOURS, ROW, Key, Style, Styles, draw_legend, legend_rows, styles_of
 from firmtouch.report.numbers import number
 
 if TYPE_CHECKING:
     from firmtouch.simulation.trial import Run
 
 FORCES: Final = ("#c2382b", "#e08a3c", "#7a1f5c", "#b5a642", "#3f3f74", "#1f7a8c")
-COLOURS: Final = ("#2b5c8a", "#c07a1f", "#2f7d4f", "#8a3f8f", "#1b9aaa", "#8c5a4a", "#5a6f8c", "#7c6f2c")
 PREDICTION: Final = Key("linear prediction", Style(MUTED))
 MOST_DRAWN: Final = 1200
 """Instants that a line is drawn through."""

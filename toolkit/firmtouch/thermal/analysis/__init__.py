@@ -6,6 +6,8 @@ from firmtouch.thermal.analysis.crosstalk import Crosstalk
 from firmtouch.thermal.analysis.felt import Felt, Fineness, feel, loop_margin
 from firmtouch.thermal.analysis.heat import Heat, Release, heat, hold_power, recovery_times, release
 from firmtouch.thermal.analysis.outcomes import Outcome
+from firmtouch.thermal.analysis.rational import RationalModel, rational_models
+from firmtouch.thermal.analysis.spectra import LoopSpectrum, SignalSpectrum, Spectra, signal_transfer, spectra_of
 from firmtouch.thermal.analysis.telling import Grade, Pair, grade, tell_pairs
 from firmtouch.thermal.analysis.tolerances import Tolerance, Tolerances
 
@@ -17,11 +19,15 @@ __all__ = [
     "Fineness",
     "Grade",
     "Heat",
+    "LoopSpectrum",
     "Outcome",
     "Pair",
+    "RationalModel",
     "Release",
     "Relief",
     "ScenarioResponse",
+    "SignalSpectrum",
+    "Spectra",
     "Tolerance",
     "Tolerances",
     "analyse",
@@ -30,7 +36,10 @@ __all__ = [
     "heat",
     "hold_power",
     "loop_margin",
+    "rational_models",
     "recovery_times",
     "release",
+    "signal_transfer",
+    "spectra_of",
     "tell_pairs",
 ]

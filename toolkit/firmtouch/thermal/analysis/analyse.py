@@ -13,12 +13,14 @@ from firmtouch.thermal.analysis.crosstalk import Crosstalk, crosstalk_of
 from firmtouch.thermal.analysis.felt import Felt, feel, loop_margin
 from firmtouch.thermal.analysis.heat import Heat, heat, recovery_times
 from firmtouch.thermal.analysis.outcomes import METRICS, Outcome, crosstalk_time, grades, outcomes, pairs
+from firmtouch.thermal.analysis.rational import RationalModel, rational_models
+from firmtouch.thermal.analysis.spectra import Spectra, spectra_of
 from firmtouch.thermal.analysis.telling import Grade, Pair
 from firmtouch.thermal.analysis.tolerances import Tolerances, tolerances_of
 from firmtouch.thermal.electronics import SelfHeating
 from firmtouch.thermal.loop import require_followable, require_stable
 from firmtouch.thermal.metrics import Metric, NoResponseError
-from firmtouch.thermal.readout import own_heat
+from firmtouch.thermal.readout import own_heat, signal_noise
 from firmtouch.thermal.sensor import HeldPower, HeldTemperature, Scenario, Sensor
 from firmtouch.thermal.sensorfile.build import sensor_of
 from firmtouch.thermal.sensorfile.read import SensorFile
@@ -59,7 +61,8 @@ class ScenarioResponse:
 class Analysis:
     """All that is found out about a sensor.
 
-    `felt` has the signals, `open_loop` those at constant power where the drive is another, for comparison. `spec` is
+    `felt` has the signals, `open_loop` those at constant power where the drive is another, for comparison;
+    `spectra` and `rational` are of the usual contact, and `signal_noise` (K or W/m2) is that of one sample. `spec` is
     what was analysed: the file's, or a design's.
     """
 
@@ -69,11 +72,14 @@ class Analysis:
     felt: Felt
     open_loop: Felt | None
     responses: tuple[ScenarioResponse, ...]
+    spectra: Spectra
+    rational: tuple[RationalModel, ...]
     crosstalk: tuple[Crosstalk, ...]
     discrimination: tuple[Pair, ...]
     range: tuple[Grade, ...]
     heat: Heat
     own_heat: SelfHeating | None
+    signal_noise: float | None
     loop_margin: float
     outcomes: tuple[Outcome, ...]
     binding: Binding | None
@@ -118,11 +124,14 @@ def analyse(file: SensorFile, spec: SensorSpec | None = None) -> Analysis:
         felt=felt,
         open_loop=open_loop,
         responses=(*_responses(felt), *(() if open_loop is None else _responses(open_loop))),
+        spectra=spectra_of(sensor, spec.window),
+        rational=rational_models(felt),
         crosstalk=crosstalk_of(sensor, crosstalk_time(asked) or spec.window),
         discrimination=() if asked.discrimination is None else pairs(asked, felt, until=spec.window),
         range=() if asked.range is None else grades(asked, felt),
         heat=warmth,
         own_heat=_own_heat(sensor),
+        signal_noise=signal_noise(sensor),
         loop_margin=margin,
         outcomes=reached,
         binding=binding_of(asked, missed, sensor, spec.window),

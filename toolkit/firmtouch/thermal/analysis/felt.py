@@ -10,10 +10,14 @@ import numpy as np
 
 from firmtouch.thermal.arrays import Array
 from firmtouch.thermal.inversion import EULER_ORDER
-from firmtouch.thermal.loop import loop_transfer
+from firmtouch.thermal.loop import Loop, loop_transfer
 from firmtouch.thermal.metrics import Metric, Rises, rises
 from firmtouch.thermal.sensor import HeldTemperature, Sensor
 from firmtouch.thermal.signals import responses
+from firmtouch.thermal.stack import Front, Stack
+
+ZOOMS, ZOOMED = 2, 21
+"""How often, and with how many frequencies, the least distance of a loop from its limit is looked at closer."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,6 +75,23 @@ def loop_margin(sensor: Sensor) -> float:
     if not isinstance(sensor.drive, HeldTemperature):
         return 1.0
     loop = sensor.drive.loop
-    s = 1j * np.geomspace(1e-1, 1e6, 211)
-    L = loop_transfer(sensor.stack, [sensor.front, *sensor.touches], loop, s)
-    return min(1.0, float(np.abs(1 + L).min()))
+    omega = np.geomspace(1e-1, 1e6, 211)
+    fronts: list[Front] = [sensor.front, *sensor.touches]
+    distance = np.abs(1 + loop_transfer(sensor.stack, fronts, loop, 1j * omega))
+    worst, _ = np.unravel_index(int(distance.argmin()), distance.shape)
+    return least_distance(sensor.stack, fronts[int(worst)], loop, omega, distance[int(worst)])
+
+
+def least_distance(stack: Stack, front: Front, loop: Loop, omega: Array, distance: Array) -> float:
+    """Give the least |1 + L| of one front, at most 1, from its values at some omega, and more about the least of them.
+
+    A loop near its limit passes -1 within a few percent of a frequency.
+    """
+    i, least = int(distance.argmin()), float(distance.min())
+    low, high = float(omega[max(i - 1, 0)]), float(omega[min(i + 1, omega.size - 1)])
+    for _ in range(ZOOMS):
+        w = np.geomspace(low, high, ZOOMED)
+        closer = np.abs(1 + loop_transfer(stack, front, loop, 1j * w))
+        i, least = int(closer.argmin()), min(least, float(closer.min()))
+        low, high = float(w[max(i - 1, 0)]), float(w[min(i + 1, ZOOMED - 1)])
+    return min(1.0, least)

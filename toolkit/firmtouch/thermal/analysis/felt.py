@@ -33,7 +33,7 @@ class Grid:
 class Fineness(Enum):
     """Rise times are within 1e-3 by the coarse grid, which a search uses, and within 2e-5 by the fine one."""
 
-    COARSE = Grid(per_decade=12, decades=5.0, order=10, knots=25)
+    COARSE = Grid(per_decade=12, decades=5.0, order=10, knots=41)
     FINE = Grid(per_decade=50, decades=8.0, order=EULER_ORDER, knots=81)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from firmtouch.thermal.arrays import Array
 from firmtouch.thermal.inversion import EULER_ORDER
-from firmtouch.thermal.loop import loop_transfer
+from firmtouch.thermal.loop import Loop, loop_transfer, unstable_poles
 from firmtouch.thermal.metrics import Metric, Rises, rises
 from firmtouch.thermal.sensor import HeldTemperature, Sensor
 from firmtouch.thermal.signals import responses
@@ -67,10 +67,24 @@ def loop_margin(sensor: Sensor) -> float:
     """Give the loop's modulus margin, the least |1 + L(j omega)|, untouched and in all scenarios; 1 without a loop.
 
     It is the inverse of the largest sensitivity M_s; 0.5 goes with a gain margin of 2 and a phase margin of 29 degrees.
+    A loop that grows has none, 0, however far from -1 its L goes round.
     """
     if not isinstance(sensor.drive, HeldTemperature):
         return 1.0
     loop = sensor.drive.loop
+    if _grows(sensor, loop):
+        return 0.0
     s = 1j * np.geomspace(1e-1, 1e6, 211)
     L = loop_transfer(sensor.stack, [sensor.front, *sensor.touches], loop, s)
     return min(1.0, float(np.abs(1 + L).min()))
+
+
+def _grows(sensor: Sensor, loop: Loop) -> bool:
+    """Tell whether a loop is unstable, untouched or in a scenario.
+
+    Where heater and sensor are in one plane, Z_p is passive and turns by less than 90 degrees; with a lag or an
+    integral, but not both, L stays short of -180 degrees.
+    """
+    if loop.heater == sensor.stack.sensed and not loop.dead_time and not (loop.integral_gain and loop.sensor_lag):
+        return False
+    return any(unstable_poles(sensor.stack, each, loop) for each in (sensor.front, *sensor.touches))

@@ -13,11 +13,11 @@ import numpy as np
 from firmtouch.thermal.arrays import Array, Complex
 from firmtouch.thermal.contact_event import pulse_response, while_on
 from firmtouch.thermal.inversion import euler, step
-from firmtouch.thermal.loop import Loop, power_response, power_transfer
+from firmtouch.thermal.loop import power_transfer
 from firmtouch.thermal.metrics import DENSER
 from firmtouch.thermal.quadrupole import contact_transfer, heater_transfer
 from firmtouch.thermal.sensor import HeldPower, HeldTemperature, Pulsed, Sensor
-from firmtouch.thermal.signals import scale
+from firmtouch.thermal.signals import responses, scale
 from firmtouch.thermal.stack import Base, Touch
 
 RESIDUE: Final = 0.1
@@ -61,7 +61,8 @@ def heat(sensor: Sensor, t: Array, values: Array) -> Heat:
     most, least, where = hold, hold, ""
     match drive:
         case HeldTemperature():
-            powers = values if drive.reads_power else _powers(sensor, drive.loop, t)
+            by_power = replace(sensor, drive=replace(drive, reads_power=True))
+            powers = values if drive.reads_power else responses(by_power, sensor.touches, t)
             i = int(powers.max(axis=1).argmax())
             most, least = hold + max(0.0, float(powers.max())), hold + min(0.0, float(powers.min()))
             where = sensor.scenarios[i].words if powers.max() > 0 else ""
@@ -75,11 +76,6 @@ def heat(sensor: Sensor, t: Array, values: Array) -> Heat:
         case _:
             hottest = max(hottest, getattr(drive, "second", hottest))
     return Heat(hold, most, least, where, hottest)
-
-
-def _powers(sensor: Sensor, loop: Loop, t: Array) -> Array:
-    difference = sensor.temperatures.difference
-    return difference * np.array([power_response(sensor.stack, each, loop, t) for each in sensor.touches])
 
 
 @dataclass(frozen=True, slots=True, eq=False)

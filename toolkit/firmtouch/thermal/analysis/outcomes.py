@@ -11,15 +11,14 @@ import numpy as np
 
 from firmtouch.thermal.analysis.felt import Felt, loop_margin
 from firmtouch.thermal.analysis.heat import Heat, heat, recovery_times
+from firmtouch.thermal.analysis.neighbours import crosstalk_of
 from firmtouch.thermal.analysis.telling import Grade, Pair, grade, tell_pairs
 from firmtouch.thermal.discrimination import Sampling
 from firmtouch.thermal.electronics import SelfHeating
 from firmtouch.thermal.metrics import Metric
-from firmtouch.thermal.pad import object_crosstalk
 from firmtouch.thermal.readout import own_heat, signal_noise
 from firmtouch.thermal.sensor import HeldTemperature, Sensor
 from firmtouch.thermal.sensorfile.requirements import DiscriminationSpec, RangeSpec, RequirementsSpec
-from firmtouch.thermal.stack import Base
 
 METRICS: Final = {"10-90": Metric.TEN_TO_NINETY, "63 %": Metric.SIXTY_THREE}
 GRADES: Final = 7
@@ -131,17 +130,11 @@ def crosstalk_time(asked: RequirementsSpec) -> float | None:
 
 
 def _crosstalk(asked: RequirementsSpec, felt: Felt) -> Iterator[Outcome]:
-    spec, at, pad = asked.crosstalk, crosstalk_time(asked), felt.sensor.pad
+    spec, at = asked.crosstalk, crosstalk_time(asked)
     assert spec is not None
     assert at is not None
-    assert pad is not None
-    found = {}
-    for each in felt.sensor.scenarios:
-        if not isinstance(each.touch.object, Base):
-            material, t = each.touch.object.material, np.array([at])
-            found[each.object] = float(object_crosstalk(material, pad.radius, pad.pitch, t)[0])
-    worst = max(found, key=lambda name: found[name])
-    yield Outcome("crosstalk", spec.at_most, found[worst], "1", where=worst)
+    worst = max(crosstalk_of(felt, at), key=lambda each: each.neighbour)
+    yield Outcome("crosstalk", spec.at_most, worst.neighbour, "1", where=worst.object)
 
 
 def _surface_temperature(asked: RequirementsSpec, felt: Felt) -> Iterator[Outcome]:

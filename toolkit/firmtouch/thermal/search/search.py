@@ -228,7 +228,7 @@ def _rounded(archive: _Archive, question: Question, chosen: Candidate, objective
     rounded = {each.path: each.rounded(value) for each, value in pairs}
     other = try_out(question, np.array([each.coordinate(rounded[each.path]) for each in question.variables]))
     archive.candidates.append(other)
-    keeps = other.meets == chosen.meets and other.shortfall <= chosen.shortfall + WORSE
-    if not keeps or other.cost(objective) > chosen.cost(objective) + WORSE:
+    keeps = other.meets >= chosen.meets and other.shortfall <= chosen.shortfall + WORSE
+    if not keeps or (chosen.meets and other.cost(objective) > chosen.cost(objective) + WORSE):
         return chosen
     return replace(other, values=rounded)

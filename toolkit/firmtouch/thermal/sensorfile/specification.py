@@ -11,7 +11,7 @@ from pydantic import Field, ValidationInfo, model_validator
 from firmtouch.modelfile.expression import Problem
 from firmtouch.modelfile.fields import Text, refuse
 from firmtouch.modelfile.words import shown
-from firmtouch.thermal.sensorfile.drive import DriveSpec, ElectronicsSpec, PadSpec
+from firmtouch.thermal.sensorfile.drive import USES, DriveSpec, ElectronicsSpec, PadSpec
 from firmtouch.thermal.sensorfile.requirements import WINDOW, RequirementsSpec
 from firmtouch.thermal.sensorfile.search import EntryChoice, SearchSpec
 from firmtouch.thermal.sensorfile.stack import BackingSpec, StackEntry
@@ -20,6 +20,8 @@ from firmtouch.thermal.tables.rows import Known, RowsSpec, known_to
 
 MOST_ENTRIES: Final = 30
 MOST_OBJECTS: Final = 100
+DRIVEN: Final = ("power", "flux", "loop_gain", "second")
+"""What modes may need."""
 ALL_DIFFERENT: Final = 1e-3
 """Temperatures closer than this, in K, give no signal."""
 
@@ -206,6 +208,7 @@ class SensorSpec(RowsSpec):
             if getattr(search, group) is not None and getattr(self, group) is None:
                 message = f"the file has no `{group}` to start from"
                 yield Problem(message, path=("search", group), at_key=True)
+        yield from self._what_modes_need(search)
         if search.contact is not None:
             by_pressure = self.contact.pressure is not None
             wrong = "nominal" if by_pressure else "pressure"
@@ -219,6 +222,20 @@ class SensorSpec(RowsSpec):
         if "discrimination" in (search.objective, *search.front) and self.requirements.discrimination is None:
             message = "to make discrimination best, say in `requirements: discrimination` of which pairs"
             yield Problem(message, path=("search", "objective"))
+
+    def _what_modes_need(self, search: SearchSpec) -> Iterator[Problem]:
+        """Hold every mode that may be chosen to have what it needs, of the drive or of the search."""
+        modes = search.drive.mode if search.drive is not None else None
+        if search.drive is not None and search.drive.power is not None and self.pad is None:
+            message = "the `power` of a pad needs a `pad`; without one, search a `flux`"
+            yield Problem(message, path=("search", "drive", "power"), at_key=True)
+        for i, mode in enumerate(modes or ()):
+            have = {name for each in (self.drive, search.drive) for name in DRIVEN if getattr(each, name, None)}
+            needed = ("flux",) if mode == "pulse" and not have & {"power", "flux"} else USES[mode][0]
+            for name in needed:
+                if name not in have:
+                    message = f"the mode `{mode}` needs a `{name}`, which neither the `drive` nor its search has"
+                    yield Problem(message, path=("search", "drive", "mode", i))
 
 
 def _unusable(part: str | None, known: Known) -> bool:

@@ -121,7 +121,12 @@ def tell_pairs(
 ) -> tuple[Pair, ...]:
     """Tell the objects of pairs apart, each in all contacts: d' at a time (s), and the first time until another (s).
 
-    Each of both touches has its own h, so that each adds half of its covariance.
+    Each of both objects has its own covariance S of the samples, noise and what is unknown of its touch, and d'^2 = D^T
+    ((S_1 + S_2)/2)^-1 D is the distance by their mean (Mahalanobis), the most that linear detectors separate (Fisher).
+    If S_1 = S_2, no detector errs less often than Phi(-d'/2); otherwise the best one errs in at most exp(-d'^2/8)/2 of
+    the touches (Bhattacharyya), and by simulation within 6 % of Phi(-d'/2) at d' of 1 to 4.5. All of that is to first
+    order in ln h. Where h is drawn in full, the best detector errs more often: with a spread of 0.3 and d' = 4.3, of
+    steel and glass, in 2.2 % of the touches instead of 1.5 %.
     """
     until = at if until is None else max(at, until)
     named = {name for pair in pairs for name in pair}

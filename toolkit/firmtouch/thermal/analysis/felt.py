@@ -25,9 +25,10 @@ class Grid:
     order: int
     knots: int
 
-    def times(self, window: float) -> Array:
-        """Give the times (s) up to the end of a window."""
-        return np.asarray(window * np.logspace(-self.decades, 0, math.ceil(self.per_decade * self.decades) + 1))
+    def times(self, window: float, asked: float = math.inf) -> Array:
+        """Give the times (s) up to the end of a window, from a hundredth of an `asked` rise time (s) on at least."""
+        decades = max(self.decades, 2 + math.log10(window) - math.log10(asked))
+        return np.asarray(window * np.logspace(-decades, 0, math.ceil(self.per_decade * decades) + 1))
 
 
 class Fineness(Enum):
@@ -56,10 +57,10 @@ class Felt:
         return rises(self.t, self.values, metric)
 
 
-def feel(sensor: Sensor, window: float, fineness: Fineness = Fineness.FINE) -> Felt:
-    """Compute a sensor's signals in a window (s), unchecked."""
+def feel(sensor: Sensor, window: float, fineness: Fineness = Fineness.FINE, *, asked: float = math.inf) -> Felt:
+    """Compute a sensor's signals in a window (s), unchecked, and so early that an `asked` rise time (s) is seen."""
     grid: Grid = fineness.value
-    t = grid.times(window)
+    t = grid.times(window, asked)
     return Felt(sensor, grid, t, responses(sensor, sensor.touches, t, order=grid.order))
 
 

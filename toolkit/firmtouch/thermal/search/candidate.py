@@ -79,7 +79,7 @@ def try_out(question: Question, x: Array) -> Candidate:
     at = tuple(float(each) for each in x)
     spec, asked = with_values(question.spec, values), question.asked
     try:
-        felt = feel(sensor_of(spec, question.catalogue), spec.window, Fineness.COARSE)
+        felt = feel(sensor_of(spec, question.catalogue), spec.window, Fineness.COARSE, asked=asked.quickest)
         reached = outcomes(asked, felt)
         figures = {name: _figure(name, asked, felt, reached) for name in question.objectives}
     except InputError:  # sizes that no sensor has, such as pads that overlap

@@ -18,6 +18,7 @@ from firmtouch.thermal import (
     Loop,
     Pulse,
     Stack,
+    ThermalValueError,
     Touch,
     power_response,
 )
@@ -85,6 +86,11 @@ def test_the_held_power_is_that_of_a_network_of_resistances(m, backing, heater):
     sensor = sensor_of(Stack(layers, 1, backing), HeldPower(), [], heater=heater, temperatures=at)
     # An ideal base is 1e15 W/m2K there: 1e-10 of what the face's resistances are.
     assert ladder(sensor.stack, heater, at, hold_power(sensor))[0] == pytest.approx(310.0, abs=1e-6)
+
+
+def test_a_heater_on_the_base_holds_nothing(film):
+    with pytest.raises(ThermalValueError, match="heater's plane is 4"):
+        hold_power(sensor_of(film, HeldPower(), [], heater=4))
 
 
 class Volumes:

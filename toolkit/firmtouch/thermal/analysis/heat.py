@@ -10,7 +10,7 @@ from typing import Final
 
 import numpy as np
 
-from firmtouch.thermal.arrays import Array, Complex
+from firmtouch.thermal.arrays import Array, Complex, ThermalValueError
 from firmtouch.thermal.contact_event import pulse_response, while_on
 from firmtouch.thermal.inversion import euler, step
 from firmtouch.thermal.loop import power_transfer
@@ -45,14 +45,22 @@ class Heat:
 
 
 def hold_power(sensor: Sensor) -> float:
-    """Give P'' (W/m2) that holds the touched face at its temperature, untouched, between the base and the air."""
+    """Give P'' (W/m2) that holds the touched face at its temperature, untouched, between the base and the air.
+
+    Raises
+    ------
+    ThermalValueError
+        If the heater is on the base, which it cannot warm.
+    """
     at = sensor.temperatures
     rest = np.zeros(1)
     with np.errstate(invalid="ignore"):
         by_air = contact_transfer(sensor.stack, Touch(Base(), sensor.front.conductance), rest, plane=0).sensed
         by_power = heater_transfer(sensor.stack, sensor.front, rest, heater=sensor.heater, plane=0)
-    share = float(by_air[0].real)
-    return (at.face - share * at.ambient - (1 - share) * at.base) / float(by_power[0].real)
+    share, warmed = float(by_air[0].real), float(by_power[0].real)
+    if not warmed:
+        raise ThermalValueError("heater's plane", sensor.heater, "one whose temperature the base does not hold")
+    return (at.face - share * at.ambient - (1 - share) * at.base) / warmed
 
 
 def heat(sensor: Sensor, t: Array, values: Array) -> Heat:

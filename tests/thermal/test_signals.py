@@ -120,6 +120,16 @@ def test_nothing_is_felt_before_the_dead_time(sensor, touches):
     assert found[:, 2:].all()
 
 
+def test_what_follows_the_dead_time_at_once(sensor, touches):
+    """Nanoseconds later, where e^{s T_d} alone would overflow: the power is -K theta of the open network just after."""
+    since, loop = np.array([1e-9, 1e-7, 1e-6, 1e-5]), DRIVES["dead time"].loop
+    expected = -loop.gain * responses(sensor, touches, since)
+    sensor = replace(sensor, drive=DRIVES["dead time"])
+    assert responses(sensor, touches, loop.dead_time + since) == pytest.approx(expected, rel=1e-6, abs=1e-6)
+    careful = response(sensor, touches[0])(loop.dead_time + since)
+    assert careful == pytest.approx(expected[0], rel=1e-6, abs=1e-6)
+
+
 @pytest.mark.parametrize("s", [np.array(3.0 + 2j), np.array([1.0, 1e3j]), np.array([[1.0, 2j, 5 - 1j]] * 2)])
 def test_transfers_have_an_axis_for_touches(sensor, touches, s):
     """Whatever the shape of s; an element that another touch does not have makes no difference."""

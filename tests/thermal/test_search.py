@@ -207,6 +207,17 @@ class TestTheFilesOwnDesign:
         assert found.chosen.meets
         assert found.chosen.cost("rise_time") <= own.cost("rise_time") + 0.01  # what rounding may cost
 
+    @pytest.mark.parametrize(("at_most", "verdict"), [("4.014 ms", "met"), ("4.007 ms", "infeasible")])
+    def test_what_only_the_slack_misses_is_measured_finely(self, at_most, verdict):
+        """The quickest of all designs rises in 4.011 ms, which is less than 2e-3 from both limits."""
+        text = TWO.replace("20 ms", at_most).replace("front: [rise_time, power]\n  ", "")
+        text = text.replace("evaluations: 1000", "evaluations: 500")
+        found = study_sensor(read(text))
+        assert found.search.met == 0
+        assert found.verdict == verdict
+        assert found.analysis.met is (verdict == "met")
+        assert found.search.chosen.figures["rise_time"] == pytest.approx(4.011e-3, rel=1e-3)
+
     def test_values_that_are_not_to_be_chosen_start_at_the_nearest(self):
         file = read(
             TWO.replace("thickness: 2 mm", "thickness: 50 mm").replace(

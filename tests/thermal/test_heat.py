@@ -245,10 +245,10 @@ def test_what_does_not_come_back_in_time_never_does():
 
 
 def test_the_most_power_is_the_peak_of_the_loops(m, film):
-    """Against 2000 times of the checked response; the grid's 50 a decade miss 1e-4 of a rounded peak."""
+    """Against the checked response at other times, 106 a decade; both miss up to 1e-4 of a rounded peak."""
     touches = [Touch(HalfSpace(each), 1e4) for each in (m.pine, m.copper, m.glass)]
     loop = Loop(gain=5e4, heater=1, sensor_lag=2e-4)
-    t = np.geomspace(1e-6, WINDOW, 2000)
+    t = np.geomspace(1e-5, WINDOW, 500)
     difference = COLD - WARM
     peaks = [float((difference * power_response(film, each, loop, t)).max()) for each in touches]
     for reads_power in (True, False):

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from firmtouch.thermal.arrays import Array, ThermalValueError, require_positive, require_times
+from firmtouch.thermal.arrays import Array, ThermalValueError, Transfer, require_positive, require_times
 from firmtouch.thermal.inversion import step
 from firmtouch.thermal.quadrupole import contact_transfer, heater_transfer
 from firmtouch.thermal.stack import Air, Front, Stack, Touch
@@ -60,17 +60,17 @@ def pulse_response(stack: Stack, front: Front | Sequence[Front], pulse: Pulse, t
 
     It feels e_o without a temperature difference. With one, the contact's response adds.
     """
+    return pulse.power * while_on(lambda s: heater_transfer(stack, front, s, heater=pulse.heater), pulse, t)
+
+
+def while_on(transfer: Transfer, pulse: Pulse, t: ArrayLike) -> Array:
+    """Give the response to a source of one that is on as long as a pulse: its step, less that step later."""
     times = require_times(t)
-
-    def risen(since: Array) -> Array:
-        return step(lambda s: heater_transfer(stack, front, s, heater=pulse.heater), since)
-
-    found = risen(times)
+    found = step(transfer, times)
     after = times > pulse.duration
     if after.any():
-        found = found.copy()
-        found[..., after] -= risen(times[after] - pulse.duration)
-    return pulse.power * found
+        found[..., after] -= step(transfer, times[after] - pulse.duration)
+    return found
 
 
 def hold_power(stack: Stack, air: Air, *, heater: int, rise: float) -> float:

@@ -72,7 +72,11 @@ class Loop:
 
     def sensor(self, s: Complex) -> Complex:
         """Give F(s)."""
-        return np.asarray(np.exp(-s * self.dead_time) / (1 + self.sensor_lag * s))
+        return np.asarray(np.exp(-s * self.dead_time) * self.lag(s))
+
+    def lag(self, s: Complex) -> Complex:
+        """Give F(s) without the dead time, 1/(tau_s s + 1)."""
+        return np.asarray(1 / (1 + self.sensor_lag * s))
 
 
 def loop_transfer(stack: Stack, front: Front | Sequence[Front], loop: Loop, s: ArrayLike) -> Complex:
@@ -81,17 +85,16 @@ def loop_transfer(stack: Stack, front: Front | Sequence[Front], loop: Loop, s: A
     return loop.controller(s) * heater_transfer(stack, front, s, heater=loop.heater) * loop.sensor(s)
 
 
-def power_transfer(
-    stack: Stack, touch: Touch | Sequence[Touch], loop: Loop, s: ArrayLike, *, prompt: bool = False
-) -> Complex:
-    """Give the heater's p''/dV (W/m2K), times 1/s for the step at contact.
+def power_transfer(stack: Stack, touch: Touch | Sequence[Touch], loop: Loop, s: ArrayLike) -> Complex:
+    """Give the heater's p''/dV (W/m2K), times 1/s for the step at contact."""
+    return np.asarray(power_after_dead_time(stack, touch, loop, s) * np.exp(-np.asarray(s) * loop.dead_time))
 
-    `prompt` leaves out the e^{-s T_d} in front, which only moves it in time: its inverse would overflow.
-    """
+
+def power_after_dead_time(stack: Stack, touch: Touch | Sequence[Touch], loop: Loop, s: ArrayLike) -> Complex:
+    """Give p''/dV times e^{s T_d}, of the time since the dead time has passed; it has no factor that overflows."""
     s = np.asarray(s, dtype=np.complex128)
-    driven = loop.controller(s) / (1 + loop.sensor_lag * s) if prompt else loop.controller(s) * loop.sensor(s)
-    L = loop_transfer(stack, touch, loop, s)
-    return np.asarray(-driven * contact_transfer(stack, touch, s).sensed / (1 + L))
+    driven = loop.controller(s) * loop.lag(s) * contact_transfer(stack, touch, s).sensed
+    return np.asarray(-driven / (1 + loop_transfer(stack, touch, loop, s)))
 
 
 def temperature_transfer(stack: Stack, touch: Touch | Sequence[Touch], loop: Loop, s: ArrayLike) -> Complex:
@@ -198,7 +201,7 @@ def power_response(stack: Stack, touch: Touch, loop: Loop, t: ArrayLike) -> Arra
     after = times > loop.dead_time
 
     def transform(s: Complex) -> Complex:
-        return np.asarray(power_transfer(stack, touch, loop, s, prompt=True) / s)
+        return np.asarray(power_after_dead_time(stack, touch, loop, s) / s)
 
     if after.any():
         found[after] = _invert_loop(stack, touch, loop, transform, times[after] - loop.dead_time)

@@ -43,8 +43,9 @@ class Readout:
 def signal_noise(sensor: Sensor) -> float | None:
     """Give the noise of one sample of the signal (K or W/m2); None without a readout.
 
-    Two pads have sqrt(2) times the noise of one. A loop makes power of it: sigma_p^2 is the mean of |K F/(1 + L)|^2
-    over the bandwidth, times sigma^2, with the object that makes most of it. That noise is least at low frequencies,
+    Two pads have sqrt(2) times the noise of one. A loop makes power of it: sigma_p^2 is the mean of |K/(1 + L)|^2 over
+    the bandwidth, times sigma^2, with the object that makes most of it; the noise is that of what is read, so it does
+    not pass the lag F of the sensor before it reaches the controller. That of the power is least at low frequencies,
     and is taken as white here, which promises too little rather than too much.
     """
     from firmtouch.thermal.sensor import HeldTemperature, TwoFaces
@@ -58,9 +59,8 @@ def signal_noise(sensor: Sensor) -> float | None:
         case HeldTemperature(loop=loop, reads_power=True):
             f = readout.bandwidth * np.concatenate([[0.0], np.geomspace(1e-3, 1, FREQUENCIES)])
             s = 2j * np.pi * np.where(f == 0, 1e-6 * readout.bandwidth, f)
-            driven = loop.controller(s) * loop.sensor(s)
             fronts: list[Front] = [sensor.front, *sensor.touches]
-            density = np.abs(driven / (1 + loop_transfer(sensor.stack, fronts, loop, s))) ** 2
+            density = np.abs(loop.controller(s) / (1 + loop_transfer(sensor.stack, fronts, loop, s))) ** 2
             mean = np.trapezoid(density, f, axis=1) / readout.bandwidth
             return float(readout.noise * np.sqrt(mean.max()))
         case _:

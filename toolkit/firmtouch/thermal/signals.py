@@ -13,7 +13,7 @@ import numpy as np
 from firmtouch.thermal.arrays import Array, Complex, Response
 from firmtouch.thermal.contact_event import ContactEvent, pulse_response, two_temperatures
 from firmtouch.thermal.inversion import EULER_ORDER, euler, step
-from firmtouch.thermal.loop import power_response, power_transfer, temperature_response, temperature_transfer
+from firmtouch.thermal.loop import power_after_dead_time, power_response, temperature_response, temperature_transfer
 from firmtouch.thermal.quadrupole import contact_transfer, heater_transfer
 from firmtouch.thermal.sensor import Drive, HeldPower, HeldTemperature, Pulsed, Sensor, TwoFaces
 from firmtouch.thermal.stack import Touch
@@ -74,13 +74,11 @@ def _contacts(sensor: Sensor, touches: Sequence[Touch], t: Array) -> Array:
 
 
 def _of_loop(sensor: Sensor, drive: HeldTemperature, touches: Sequence[Touch], t: Array, order: int) -> Array:
-    loop = drive.loop
+    loop, transfer = drive.loop, power_after_dead_time if drive.reads_power else temperature_transfer
     late = loop.dead_time if drive.reads_power else 0.0
 
     def transform(s: Complex) -> Complex:
-        if drive.reads_power:
-            return np.asarray(power_transfer(sensor.stack, touches, loop, s, prompt=True) / s)
-        return np.asarray(temperature_transfer(sensor.stack, touches, loop, s) / s)
+        return np.asarray(transfer(sensor.stack, touches, loop, s) / s)
 
     found = np.zeros((len(touches), t.size))
     after = t > late

@@ -85,7 +85,7 @@ class _Trial:
         A size that no sensor has reaches nothing.
         """
         try:
-            felt = feel(self.changed(changes), self.window, Fineness.COARSE)
+            felt = feel(self.changed(changes), self.window, Fineness.COARSE, asked=self.asked.quickest)
             found = OF[_asked_name(self.missed.name)](self.asked, felt)
             return next(each for each in found if each.name == self.missed.name)
         except InputError:

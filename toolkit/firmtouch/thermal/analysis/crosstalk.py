@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from firmtouch.thermal.analysis.heat import flux_transfer
 from firmtouch.thermal.arrays import Complex
 from firmtouch.thermal.inversion import euler, talbot
 from firmtouch.thermal.loop import power_transfer, temperature_transfer
 from firmtouch.thermal.neighbours import array_crosstalk, point_source_transfer, substrate_crosstalk
 from firmtouch.thermal.pad import object_crosstalk
-from firmtouch.thermal.quadrupole import contact_transfer
+from firmtouch.thermal.quadrupole import contact_transfer, heater_transfer
 from firmtouch.thermal.sensor import HeldTemperature, Pad, Sensor
 from firmtouch.thermal.stack import Base, HalfSpace, Material, Touch
 
@@ -111,11 +110,21 @@ def _signal_share(sensor: Sensor, touch: Touch, pad: Pad, at: float) -> float:
 
     def other(s: Complex) -> Complex:
         passed = point_source_transfer(body[0], pad.pitch, s, thickness=body[1])
-        return own(s) * pad.area * flux_transfer(sensor, touch, s) * passed
+        return own(s) * pad.area * _flux(sensor, touch, s) * passed
 
     invert = euler if isinstance(sensor.drive, HeldTemperature) else talbot
     signal, part = float(invert(lambda s: own(s) / s, t)[0]), float(invert(lambda s: other(s) / s, t)[0])
     return _clean(abs(part / signal)) if signal else math.inf
+
+
+def _flux(sensor: Sensor, touch: Touch, s: Complex) -> Complex:
+    """Give q''/dV out of the object; what a loop's heater adds to the face's temperature makes it less."""
+    found = contact_transfer(sensor.stack, touch, s)
+    if not isinstance(sensor.drive, HeldTemperature):
+        return found.flux
+    power = power_transfer(sensor.stack, touch, sensor.drive.loop, s)
+    face = heater_transfer(sensor.stack, touch, s, heater=sensor.heater, plane=0)
+    return np.asarray(found.flux * (1 - face * power / (1 - found.face)))
 
 
 def _clean(share: float) -> float:

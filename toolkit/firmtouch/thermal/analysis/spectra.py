@@ -11,7 +11,7 @@ import numpy as np
 
 from firmtouch.thermal.analysis.felt import least_distance
 from firmtouch.thermal.arrays import Array, Complex
-from firmtouch.thermal.loop import loop_transfer, power_transfer, temperature_transfer
+from firmtouch.thermal.loop import loop_transfer, power_after_dead_time, power_transfer, temperature_transfer
 from firmtouch.thermal.quadrupole import contact_transfer, frequency_response, heater_transfer
 from firmtouch.thermal.sensor import HeldTemperature, Pulsed, Scenario, Sensor
 from firmtouch.thermal.stack import Front, Touch
@@ -92,7 +92,7 @@ def signal_transfer(sensor: Sensor, touches: Sequence[Touch], s: Complex, *, pro
     """
     match sensor.drive:
         case HeldTemperature(loop=loop, reads_power=True):
-            return power_transfer(sensor.stack, touches, loop, s, prompt=prompt)
+            return (power_after_dead_time if prompt else power_transfer)(sensor.stack, touches, loop, s)
         case HeldTemperature(loop=loop):
             return temperature_transfer(sensor.stack, touches, loop, s)
         case Pulsed(pulse=pulse):

@@ -11,7 +11,7 @@ import numpy as np
 
 from firmtouch.thermal.arrays import Array
 from firmtouch.thermal.discrimination import ENOUGH, Sampling, d_primes
-from firmtouch.thermal.sensor import Sensor
+from firmtouch.thermal.sensor import Pulsed, Sensor
 from firmtouch.thermal.signals import responses
 from firmtouch.thermal.stack import Disc, HalfSpace, Material, Touch, TouchedObject
 
@@ -85,11 +85,22 @@ def _harder(touch: Touch, sign: int) -> Touch:
 
 
 def _at(sensor: Sensor, touches: Sequence[Touch], times: Array) -> Array:
-    """Give signals at sampled times, by splines over ln t where these are many."""
+    """Give signals at sampled times, by splines over ln t where these are many.
+
+    A pulse that ends is one that does not, less the same since then: each is smooth in the logarithm of its own time.
+    """
     from scipy.interpolate import make_interp_spline
 
     if not times.size:
         return np.zeros((len(touches), 0))
+    drive, here = sensor.drive, sensor.temperatures
+    if isinstance(drive, Pulsed) and drive.pulse.duration < times[-1]:
+        end, drive = drive.pulse.duration, Pulsed(replace(drive.pulse, duration=math.inf))
+        found = _at(replace(sensor, drive=drive), touches, times)
+        after = times > end * (1 + 1e-9)
+        without = replace(sensor, drive=drive, temperatures=replace(here, object=here.face))
+        found[:, after] -= _at(without, touches, times[after] - end)
+        return found
     decades = math.log10(times[-1] / times[0])
     count = max(FEWEST, math.ceil(SAMPLES_PER_DECADE * decades) + 1)
     if times.size <= count:
@@ -110,7 +121,12 @@ def tell_pairs(
 ) -> tuple[Pair, ...]:
     """Tell the objects of pairs apart, each in all contacts: d' at a time (s), and the first time until another (s).
 
-    Each of both touches has its own h, so that each adds half of its covariance.
+    Each of both objects has its own covariance S of the samples, noise and what is unknown of its touch, and d'^2 = D^T
+    ((S_1 + S_2)/2)^-1 D is the distance by their mean (Mahalanobis), the most that linear detectors separate (Fisher).
+    If S_1 = S_2, no detector errs less often than Phi(-d'/2); otherwise the best one errs in at most exp(-d'^2/8)/2 of
+    the touches (Bhattacharyya), and by simulation within 6 % of Phi(-d'/2) at d' of 1 to 4.5. All of that is to first
+    order in ln h. Where h is drawn in full, the best detector errs more often: with a spread of 0.3 and d' = 4.3, of
+    steel and glass, in 2.2 % of the touches instead of 1.5 %.
     """
     until = at if until is None else max(at, until)
     named = {name for pair in pairs for name in pair}

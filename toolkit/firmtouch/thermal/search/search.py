@@ -14,7 +14,7 @@ from typing import Any, Final, Self
 import numpy as np
 
 from firmtouch.thermal.arrays import Array
-from firmtouch.thermal.search.candidate import Candidate, Question, start_of, try_out
+from firmtouch.thermal.search.candidate import Candidate, Question, confirmed, start_of, try_out
 from firmtouch.thermal.search.front import Front, front_of
 from firmtouch.thermal.search.variables import Variable, value_of, variables_of, with_values
 from firmtouch.thermal.sensorfile.read import SensorFile
@@ -81,7 +81,7 @@ def search(file: SensorFile, *, jobs: int = 1, tell: Tell = lambda _: None) -> S
                 archive, variables, weigh, np.array(archive.best(weigh).x), seed=spec.seed + 100 + i, share=_share(spec)
             )
         _polish(archive, variables, objective)
-        chosen = _rounded(archive, question, archive.best(objective), spec.objective)
+        chosen = confirmed(question, _rounded(archive, question, archive.best(objective), spec.objective))
     front = front_of(archive.candidates, spec.front, chosen) if spec.front and archive.met else None
     design = with_values(file.spec, chosen.values).model_copy(update={"requirements": question.asked})
     return SearchResult(spec, design, variables, chosen, front, len(archive.candidates), archive.met)
@@ -245,7 +245,7 @@ def _rounded(archive: _Archive, question: Question, chosen: Candidate, objective
     rounded = {each.path: each.rounded(value) for each, value in pairs}
     other = try_out(question, np.array([each.coordinate(rounded[each.path]) for each in question.variables]))
     archive.candidates.append(other)
-    keeps = other.meets == chosen.meets and other.shortfall <= chosen.shortfall + WORSE
-    if not keeps or other.cost(objective) > chosen.cost(objective) + WORSE:
+    keeps = other.meets >= chosen.meets and other.shortfall <= chosen.shortfall + WORSE
+    if not keeps or (chosen.meets and other.cost(objective) > chosen.cost(objective) + WORSE):
         return chosen
     return replace(other, values=rounded)

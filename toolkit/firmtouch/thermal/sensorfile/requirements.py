@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Any, Final, Literal
 
 from pydantic import Field, ValidationInfo, model_validator
@@ -132,6 +133,11 @@ class RequirementsSpec(Section):
     recovery: Duration | None = Field(None, description="longest time until it can feel again after release")
     pitch: Length | None = Field(None, description="largest distance of neighbours")
     thickness: Length | None = Field(None, description="largest of the whole stack")
+
+    @property
+    def quickest(self) -> float:
+        """The rise time that is asked, in s; infinite where none is."""
+        return math.inf if self.rise_time is None else self.rise_time.at_most
 
     @property
     def asked(self) -> tuple[str, ...]:

@@ -38,7 +38,16 @@ from firmtouch.thermal.study import Study, study_sensor
 
 MODELS = Path(__file__).parents[2] / "models" / "thermal"
 ROUNDED = 6e-3  # three figures: at most 5e-3 of 1.00
-ALWAYS = ["", "Requirements", "The sensor", "Step responses", "Frequency response", "Heat", "Parts and materials"]
+ALWAYS = [
+    "",
+    "Requirements",
+    "The sensor",
+    "Step responses",
+    "Frequency response",
+    "Heat",
+    "Tolerances",
+    "Parts and materials",
+]
 LOOP = """
 schema: firmtouch.sensor/1
 title: TITLE

@@ -239,7 +239,7 @@ class TestDrives:
         ("searched", "told"),
         [
             ("{mode: [constant_power, constant_temperature]}", "`constant_temperature` needs a `loop_gain`"),
-            ("{mode: [pulse, constant_power]}", "`pulse` needs a `flux`"),
+            ("{mode: [pulse, constant_power]}", "`pulse` needs a `power` or a `flux`"),
             ("{mode: [two_temperature, constant_power]}", "`two_temperature` needs a `second`"),
             ("{power: [1 mW, 1 W]}", "needs a `pad`"),
         ],

@@ -88,7 +88,7 @@ def _print(study: Study) -> None:
     from rich.markup import escape
     from rich.table import Table
 
-    from firmtouch.report.thermal import requirement_rows, study_verdict
+    from firmtouch.report.thermal import binding_lines, requirement_rows, study_verdict
     from firmtouch.report.thermal.words import tidied
 
     console = results_console()
@@ -106,3 +106,6 @@ def _print(study: Study) -> None:
         cells = (each.name, each.asked, each.reached, each.margin, each.where)
         table.add_row("[green]ok[/]" if each.met else "[red]no[/]", *map(escape, cells))
     console.print(table)
+    if study.analysis.binding is not None:
+        for line in binding_lines(study.analysis.binding):
+            console.print(f"  {line}", markup=False, soft_wrap=not console.is_terminal)

@@ -91,15 +91,21 @@ def _binding(binding: Binding, analysis: Analysis) -> Iterator[Block]:
             )
         )
         yield _reliefs(binding.together, binding)
-        yield Paragraph(tuple(f"{_sentence(each)} " for each in binding.together))
+        yield Paragraph((" ".join(binding_lines(binding)),))
     else:
         yield Paragraph((f"{missed}, and nothing about the sensor would meet it: what is touched binds.",))
 
 
-def _sentence(relief: Relief) -> str:
-    """Say a relief in words: `film capacity: 3080 J/m²K now; 5 would do, the others being ideal.`."""
-    now, needed = _size(relief, relief.now), _size(relief, relief.needed)
-    return f"{relief.term[0].upper()}{relief.term[1:]}: {now} now; {needed} would do, the others being ideal."
+def binding_lines(binding: Binding) -> tuple[str, ...]:
+    """Say in words what would do: `Film capacity: 3080 J/m²K now; 5 J/m²K would do, the others being ideal.`."""
+    if not binding.alone and not binding.together:
+        return ("Nothing about the sensor would do: what is touched binds.",)
+    others = "alone" if binding.alone else "the others being ideal"
+    return tuple(
+        f"{each.term[0].upper()}{each.term[1:]}: {_size(each, each.now)} now; {_size(each, each.needed)} would do, "
+        f"{others}."
+        for each in (binding.alone or binding.together)
+    )
 
 
 def _size(relief: Relief, value: float) -> str:

@@ -23,6 +23,7 @@ from firmtouch.thermal import (
     power_response,
 )
 from firmtouch.thermal.analysis import feel, heat, hold_power, recovery_times, release
+from firmtouch.thermal.analysis.felt import COARSE, FINE
 from firmtouch.thermal.metrics import Metric
 from firmtouch.thermal.sensor import (
     HeldPower,
@@ -211,16 +212,16 @@ def test_two_faces_recover_as_one(m, film):
     assert found[2] == pytest.approx(found[0], rel=1e-9)
 
 
-@pytest.mark.parametrize("knots", [41, 81])
-def test_one_film_recovers_in_ln_10_of_its_time_constant(knots):
+@pytest.mark.parametrize("grid", [COARSE, FINE])
+def test_one_film_recovers_in_ln_10_of_its_time_constant(grid):
     """A film of C'' on G'' to a base, let go in the open: theta falls as exp(-t (G'' + h_air)/C'')."""
     C, G = 40.0, 1e3
     film = Stack((Film(C), Contact(G)), sensed=0, backing=Base())
     touch = Touch(Base(), 1e4)
     sensor = sensor_of(film, HeldPower(), [touch], heater=0)
     end = responses(sensor, [touch], np.array([WINDOW]))[0]
-    found = recovery_times(sensor, [touch], WINDOW, end, knots=knots)
-    # Both numbers of knots are those in use; the flux is followed in steps.
+    found = recovery_times(sensor, [touch], WINDOW, end, grid=grid)
+    # Both grids are those in use; the flux is followed in steps.
     assert found[0] == pytest.approx(math.log(10) * C / (G + AIR), rel=2e-3)
 
 

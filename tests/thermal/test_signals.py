@@ -30,7 +30,8 @@ from firmtouch.thermal import (
     power_transfer,
     rise_time,
 )
-from firmtouch.thermal.analysis import Fineness, feel, loop_margin
+from firmtouch.thermal.analysis import feel, loop_margin
+from firmtouch.thermal.analysis.felt import COARSE, FINE
 from firmtouch.thermal.metrics import measure, rises, sample
 from firmtouch.thermal.readout import Readout, own_heat, signal_noise
 from firmtouch.thermal.sensor import (
@@ -149,11 +150,11 @@ def test_transfers_have_an_axis_for_touches(sensor, touches, s):
 class TestRises:
     """Against closed forms and `rise_time`, on the grids in use: 50 times a decade over 8, and 12 over 5."""
 
-    @pytest.mark.parametrize(("fineness", "close"), [(Fineness.FINE, 2e-5), (Fineness.COARSE, 1e-3)])
+    @pytest.mark.parametrize(("grid", "close"), [(FINE, 2e-5), (COARSE, 1e-3)])
     @pytest.mark.parametrize("name", ["power", "loop", "pulse"])
-    def test_as_one_by_one(self, sensor, fineness, close, name):
+    def test_as_one_by_one(self, sensor, grid, close, name):
         sensor = replace(sensor, drive=DRIVES[name])
-        felt = feel(sensor, WINDOW, fineness)
+        felt = feel(sensor, WINDOW, grid)
         for i, each in enumerate(sensor.touches):
             sampled = sample(response(sensor, each), WINDOW, per_decade=12)
             for metric in Metric:
@@ -162,8 +163,8 @@ class TestRises:
                 assert found.end_value[i] == pytest.approx(expected.end_value, rel=close)
                 assert found.end[i] == pytest.approx(expected.end, rel=close)
 
-    def values(self, *functions, fineness=Fineness.FINE):
-        t = fineness.value.times(1.0)
+    def values(self, *functions, grid=FINE):
+        t = grid.times(1.0)
         return t, np.array([f(t) for f in functions])
 
     @pytest.mark.parametrize("tau", [1e-3, 1e-2, 0.05])

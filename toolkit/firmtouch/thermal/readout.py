@@ -67,6 +67,13 @@ def signal_noise(sensor: Sensor) -> float | None:
             return readout.noise
 
 
+def reading_power(readout: Readout | None, T: float) -> float:
+    """Give the power of the bridge's current at T (K) by area (W/m2); 0 without one, or where its size is not known."""
+    if readout is None or readout.bridge is None or readout.area is None:
+        return 0.0
+    return float(readout.bridge.power(T)) / readout.area
+
+
 def own_heat(stack: Stack, front: Air, readout: Readout, T: float) -> SelfHeating | None:
     """Give what the bridge's current does to the sensed film at T (K), untouched; None where its size is not known.
 

@@ -3,7 +3,7 @@
 from firmtouch.thermal.analysis.analyse import Analysis, ScenarioResponse, analyse
 from firmtouch.thermal.analysis.binding import Binding, Relief
 from firmtouch.thermal.analysis.crosstalk import Crosstalk
-from firmtouch.thermal.analysis.felt import Felt, Fineness, feel, loop_margin
+from firmtouch.thermal.analysis.felt import Felt, Grid, feel, loop_margin
 from firmtouch.thermal.analysis.heat import Heat, Release, heat, hold_power, recovery_times, release
 from firmtouch.thermal.analysis.outcomes import Outcome
 from firmtouch.thermal.analysis.rational import RationalModel, rational_models
@@ -16,8 +16,8 @@ __all__ = [
     "Binding",
     "Crosstalk",
     "Felt",
-    "Fineness",
     "Grade",
+    "Grid",
     "Heat",
     "LoopSpectrum",
     "Outcome",

@@ -29,8 +29,6 @@ from firmtouch.thermal.sensorfile.specification import SensorSpec
 from firmtouch.thermal.signals import scale
 
 ENOUGH_LOOP_MARGIN: Final = 0.5
-DOES_MOST: Final = 0.5
-"""Of the power that holds the face: a bridge that gives more is worth a warning."""
 UNEQUAL: Final = 0.05
 """Of the power that holds the stated temperature: another stated power than that is worth a warning."""
 
@@ -168,14 +166,6 @@ def _responses(felt: Felt) -> Iterator[ScenarioResponse]:
         )
 
 
-def _reading_power(sensor: Sensor) -> float:
-    """Give the power of the bridge's current by area (W/m2); 0 where there is none, or no size is known."""
-    readout = sensor.readout
-    if readout is None or readout.bridge is None or readout.area is None:
-        return 0.0
-    return float(readout.bridge.power(sensor.temperatures.face)) / readout.area
-
-
 def _own_heat(sensor: Sensor) -> SelfHeating | None:
     if sensor.readout is None:
         return None
@@ -201,16 +191,10 @@ def _warnings(file: SensorFile, spec: SensorSpec, sensor: Sensor, warmth: Heat, 
         if part is not None and part.capacity is not None and part.capacity.warning:
             yield f"the heat capacity of {part.title} is doubtful: {part.capacity.warning}"
     drive = sensor.drive
-    if warmth.hold < 0:
+    if not warmth.can_hold(sensor.temperatures.difference):
         yield (
-            f"the touched face is at its temperature only if the heater cools ({warmth.hold:.3g} W/m²), which it "
-            "cannot: base and air alone make it warmer"
-        )
-    own = _reading_power(sensor)
-    if own > DOES_MOST * warmth.hold > 0:
-        yield (
-            f"the bridge's own current gives {own:.3g} W/m² of the {warmth.hold:.3g} W/m² that hold the touched face "
-            "at its temperature"
+            f"without any heating the touched face is {warmth.surplus:.3g} K warmer than stated: base, air and the "
+            "bridge's own current warm it"
         )
     if isinstance(drive, HeldTemperature) and warmth.hold >= 0 > warmth.least:
         yield (

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from firmtouch.errors import InputError
-from firmtouch.thermal.analysis.felt import Fineness, feel
+from firmtouch.thermal.analysis.felt import COARSE, feel
 from firmtouch.thermal.analysis.outcomes import OF, Outcome
 from firmtouch.thermal.analysis.terms import TERMS_OF, Term
 from firmtouch.thermal.sensor import Sensor
@@ -85,7 +85,7 @@ class _Trial:
         A size that no sensor has reaches nothing.
         """
         try:
-            felt = feel(self.changed(changes), self.window, Fineness.COARSE, asked=self.asked.quickest)
+            felt = feel(self.changed(changes), self.window, COARSE, asked=self.asked.quickest)
             found = OF[_asked_name(self.missed.name)](self.asked, felt)
             return next(each for each in found if each.name == self.missed.name)
         except InputError:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from enum import Enum
 
 import numpy as np
 
@@ -35,11 +34,9 @@ class Grid:
         return np.asarray(window * np.logspace(-decades, 0, math.ceil(self.per_decade * decades) + 1))
 
 
-class Fineness(Enum):
-    """Rise times are within 1e-3 by the coarse grid, which a search uses, and within 2e-5 by the fine one."""
-
-    COARSE = Grid(per_decade=12, decades=5.0, order=10, knots=41)
-    FINE = Grid(per_decade=50, decades=8.0, order=EULER_ORDER, knots=81)
+COARSE = Grid(per_decade=12, decades=5.0, order=10, knots=41)
+FINE = Grid(per_decade=50, decades=8.0, order=EULER_ORDER, knots=81)
+"""Rise times are within 1e-3 by the coarse grid, which a search uses, and within 2e-5 by the fine one."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,9 +58,8 @@ class Felt:
         return rises(self.t, self.values, metric)
 
 
-def feel(sensor: Sensor, window: float, fineness: Fineness = Fineness.FINE, *, asked: float = math.inf) -> Felt:
+def feel(sensor: Sensor, window: float, grid: Grid = FINE, *, asked: float = math.inf) -> Felt:
     """Compute a sensor's signals in a window (s), unchecked, and so early that an `asked` rise time (s) is seen."""
-    grid: Grid = fineness.value
     t = grid.times(window, asked)
     return Felt(sensor, grid, t, responses(sensor, sensor.touches, t, order=grid.order))
 

@@ -10,20 +10,22 @@ from typing import Final
 
 import numpy as np
 
+from firmtouch.thermal.analysis.felt import FINE, Grid
 from firmtouch.thermal.arrays import Array, Complex, ThermalValueError
 from firmtouch.thermal.contact_event import pulse_response, while_on
-from firmtouch.thermal.inversion import euler, step
+from firmtouch.thermal.inversion import EULER_ORDER, euler, step
 from firmtouch.thermal.loop import power_transfer
 from firmtouch.thermal.metrics import DENSER
 from firmtouch.thermal.quadrupole import contact_transfer, heater_transfer
+from firmtouch.thermal.readout import reading_power
 from firmtouch.thermal.sensor import HeldPower, HeldTemperature, Pulsed, Sensor
 from firmtouch.thermal.signals import responses, scale
 from firmtouch.thermal.stack import Base, Touch
 
+TOO_WARM: Final = 0.05
+"""Of T_o - T_s: a face that is so much warmer than stated without any heating is not held at all."""
 RESIDUE: Final = 0.1
 """A sensor can feel again when what is left of a touch is below this share of its signal."""
-KNOTS: Final = 81
-"""Of a touch's heat flow, between which it is followed."""
 DECADES: Final = 5.0
 """Of the touch's duration: where its heat flow is resolved, after the touch and before the release."""
 LONGEST: Final = 1e4
@@ -35,6 +37,8 @@ class Heat:
     """A pad's heater power by area (W/m2): `hold` untouched, and the `most` and `least` in all scenarios' windows.
 
     `hottest` (K) is the highest temperature of the touched face. A loop whose `least` is negative would have to cool.
+    `surplus` (K) is by how much the untouched face is warmer than stated without any heating, colder if negative: base,
+    air and the bridge's own current warm it, and no heater cools.
     """
 
     hold: float
@@ -42,6 +46,11 @@ class Heat:
     least: float
     most_in: str
     hottest: float
+    surplus: float
+
+    def can_hold(self, difference: float) -> bool:
+        """Tell whether a heater can hold the stated temperature, but for some of T_o - T_s (K)."""
+        return self.surplus <= TOO_WARM * abs(difference)
 
 
 def hold_power(sensor: Sensor) -> float:
@@ -52,15 +61,27 @@ def hold_power(sensor: Sensor) -> float:
     ThermalValueError
         If the heater is on the base, which it cannot warm.
     """
-    at = sensor.temperatures
-    rest = np.zeros(1)
+    unheated, warmed = _unheated(sensor)
+    if not warmed:
+        raise ThermalValueError("heater's plane", sensor.heater, "one whose temperature the base does not hold")
+    return (sensor.temperatures.face - unheated) / warmed
+
+
+def _unheated(sensor: Sensor) -> tuple[float, float]:
+    """Give the untouched face's temperature (K) without any power, and what a heater's power adds (m2K/W)."""
+    at, rest = sensor.temperatures, np.zeros(1)
     with np.errstate(invalid="ignore"):
         by_air = contact_transfer(sensor.stack, Touch(Base(), sensor.front.conductance), rest, plane=0).sensed
         by_power = heater_transfer(sensor.stack, sensor.front, rest, heater=sensor.heater, plane=0)
-    share, warmed = float(by_air[0].real), float(by_power[0].real)
-    if not warmed:
-        raise ThermalValueError("heater's plane", sensor.heater, "one whose temperature the base does not hold")
-    return (at.face - share * at.ambient - (1 - share) * at.base) / warmed
+    share = float(by_air[0].real)
+    return share * at.ambient + (1 - share) * at.base, float(by_power[0].real)
+
+
+def _surplus(sensor: Sensor) -> float:
+    at, rest = sensor.temperatures, np.zeros(1)
+    with np.errstate(invalid="ignore"):
+        by_bridge = heater_transfer(sensor.stack, sensor.front, rest, plane=0)
+    return _unheated(sensor)[0] + reading_power(sensor.readout, at.face) * float(by_bridge[0].real) - at.face
 
 
 def heat(sensor: Sensor, t: Array, values: Array) -> Heat:
@@ -83,7 +104,7 @@ def heat(sensor: Sensor, t: Array, values: Array) -> Heat:
             hottest += max(0.0, pulse.power * float(risen[0]))
         case _:
             hottest = max(hottest, getattr(drive, "second", hottest))
-    return Heat(hold, most, least, where, hottest)
+    return Heat(hold, most, least, where, hottest, _surplus(sensor))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -94,7 +115,7 @@ class Release:
     values: Array
 
 
-def release(sensor: Sensor, touches: Sequence[Touch], duration: float, *, knots: int = KNOTS) -> Release:
+def release(sensor: Sensor, touches: Sequence[Touch], duration: float, *, grid: Grid = FINE) -> Release:
     """Follow the signal after touches of a duration (s), one row each; a loop goes on holding, a pulse ends.
 
     Until the release the untouched network, fed with a flux q''(t) into its face, does what the touched one does
@@ -107,10 +128,10 @@ def release(sensor: Sensor, touches: Sequence[Touch], duration: float, *, knots:
     breaks = [0.0, duration]
     if isinstance(sensor.drive, Pulsed) and sensor.drive.pulse.duration < duration:
         breaks.insert(1, sensor.drive.pulse.duration)
-    ends, inside = _intervals(breaks, knots)
-    q = flux_into(sensor, touches, inside)
-    since = duration * np.logspace(-DECADES, math.log10(LONGEST), knots * 3 // 2)
-    t = np.geomspace(since[0], (duration + since[-1]) * 1.001, 3 * knots)
+    ends, inside = _intervals(breaks, grid.knots)
+    q = flux_into(sensor, touches, inside, order=grid.order)
+    since = duration * np.logspace(-DECADES, math.log10(LONGEST), grid.knots * 3 // 2)
+    t = np.geomspace(since[0], (duration + since[-1]) * 1.001, 3 * grid.knots)
     S = make_interp_spline(np.log(t), _untouched_step(sensor, t), k=3)
     steps = S(np.log(duration + since[:, np.newaxis] - ends))  # times by ends
     left = -q @ np.diff(steps, axis=1).T
@@ -131,7 +152,7 @@ def _intervals(breaks: Sequence[float], knots: int) -> tuple[Array, Array]:
     return np.concatenate(ends), np.concatenate(inside)
 
 
-def flux_into(sensor: Sensor, touches: Sequence[Touch], t: Array) -> Array:
+def flux_into(sensor: Sensor, touches: Sequence[Touch], t: Array, *, order: int = EULER_ORDER) -> Array:
     """Give q'' (W/m2) that does to the untouched face what touches do, at times t (s), with the drive's part in it.
 
     It is what the object gives, and what the air before an untouched face would take, h_air theta_face.
@@ -151,9 +172,11 @@ def flux_into(sensor: Sensor, touches: Sequence[Touch], t: Array) -> Array:
 
     match sensor.drive:
         case HeldTemperature(loop=loop):
-            return scaled * euler(
-                lambda s: (of_contact(s) + of_heater(s) * power_transfer(stack, touches, loop, s)) / s, t
-            )
+
+            def held(s: Complex) -> Complex:
+                return (of_contact(s) + of_heater(s) * power_transfer(stack, touches, loop, s)) / s
+
+            return scaled * euler(held, t, order=order)
         case Pulsed(pulse=pulse):
             found = sensor.temperatures.difference * step(of_contact, t)
             return found + pulse.power * while_on(of_heater, pulse, t)
@@ -181,12 +204,12 @@ def _untouched_step(sensor: Sensor, t: Array) -> Array:
 
 
 def recovery_times(
-    sensor: Sensor, touches: Sequence[Touch], duration: float, end_values: Array, *, knots: int = KNOTS
+    sensor: Sensor, touches: Sequence[Touch], duration: float, end_values: Array, *, grid: Grid = FINE
 ) -> Array:
     """Give the times (s) after release until what is left of each signal stays below a tenth of its end value."""
     from scipy.interpolate import make_interp_spline
 
-    after = release(sensor, touches, duration, knots=knots)
+    after = release(sensor, touches, duration, grid=grid)
     x = np.log(after.t)
     dense = np.linspace(x[0], x[-1], DENSER * (x.size - 1) + 1)
     left = np.abs(make_interp_spline(x, after.values, k=3, axis=1)(dense))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Final
 
 import numpy as np
@@ -144,6 +145,7 @@ def _surface_temperature(asked: RequirementsSpec, felt: Felt) -> Iterator[Outcom
     yield Outcome("surface_temperature", asked.surface_temperature, heat_of(felt).hottest, "K")
 
 
+@lru_cache(maxsize=4)  # several requirements and objectives ask for it
 def heat_of(felt: Felt) -> Heat:
     """Give the powers that go with the signals."""
     return heat(felt.sensor, felt.t, felt.values)
@@ -186,7 +188,7 @@ def _loop_margin(asked: RequirementsSpec, felt: Felt) -> Iterator[Outcome]:
 def _recovery(asked: RequirementsSpec, felt: Felt) -> Iterator[Outcome]:
     assert asked.recovery is not None
     ends = felt.rises(Metric.SIXTY_THREE).end_value
-    seconds = recovery_times(felt.sensor, felt.sensor.touches, felt.window, ends, knots=felt.grid.knots)
+    seconds = recovery_times(felt.sensor, felt.sensor.touches, felt.window, ends, grid=felt.grid)
     i = int(seconds.argmax())
     yield Outcome("recovery", asked.recovery, float(seconds[i]), "s", where=felt.sensor.scenarios[i].words)
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
-from firmtouch.thermal.analysis.felt import Fineness, feel
+from firmtouch.thermal.analysis.felt import COARSE, feel
 from firmtouch.thermal.metrics import Metric
 from firmtouch.thermal.sensor import Sensor
 from firmtouch.thermal.sensorfile.specification import SensorSpec
@@ -65,7 +65,7 @@ def tolerances_of(
     """Find what the tolerances do; None where nothing of the sensor has one."""
 
     def slowest(changed: Sensor) -> float:
-        return float(feel(changed, spec.window, Fineness.COARSE).rises(metric).seconds.max())
+        return float(feel(changed, spec.window, COARSE).rises(metric).seconds.max())
 
     nominal, found, corner = slowest(sensor), [], sensor
     for each in _quantities(sensor, spec, catalogue):

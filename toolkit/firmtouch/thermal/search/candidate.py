@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 
 from firmtouch.errors import InputError
-from firmtouch.thermal.analysis.felt import Felt, Fineness, feel
+from firmtouch.thermal.analysis.felt import COARSE, Felt, feel
 from firmtouch.thermal.analysis.outcomes import METRICS, Outcome, heat_of, outcomes, pairs
 from firmtouch.thermal.arrays import Array
 from firmtouch.thermal.metrics import Metric
@@ -79,12 +79,20 @@ def try_out(question: Question, x: Array) -> Candidate:
     at = tuple(float(each) for each in x)
     spec, asked = with_values(question.spec, values), question.asked
     try:
-        felt = feel(sensor_of(spec, question.catalogue), spec.window, Fineness.COARSE, asked=asked.quickest)
+        felt = feel(sensor_of(spec, question.catalogue), spec.window, COARSE, asked=asked.quickest)
         reached = outcomes(asked, felt)
         figures = {name: _figure(name, asked, felt, reached) for name in question.objectives}
     except InputError:  # sizes that no sensor has, such as pads that overlap
         return Candidate(at, values, {}, (), HOPELESS)
-    return Candidate(at, values, figures, reached, sum(_missing(each) for each in reached))
+    missing = sum(_missing(each) for each in reached)
+    return Candidate(at, values, figures, reached, missing + _too_warm(felt))
+
+
+def _too_warm(felt: Felt) -> float:
+    """Give what a design misses whose stated temperature no heater holds, since it is warmer without any."""
+    difference = felt.sensor.temperatures.difference
+    found = heat_of(felt)
+    return 0.0 if found.can_hold(difference) else 1 + math.log1p(found.surplus / max(abs(difference), 1e-3))
 
 
 def confirmed(question: Question, candidate: Candidate) -> Candidate:

@@ -18,6 +18,8 @@ from firmtouch.thermal.search.variables import variables_of
 from firmtouch.thermal.sensorfile import SensorFile, parse_sensor
 
 SECONDS, JOBS, ROUNDS = 30, 2, 2
+AS_GOOD = 1.01
+"""Of the best of the grid: sizes are rounded where that costs less than a percent."""
 GRID = 3
 BEADS = [round(60 + 10 * i) for i in range(20)]
 
@@ -80,5 +82,5 @@ def figures() -> list[Figure]:
     detail = f"{found[-1].tried} designs, {found[-1].met} meet everything"
     return [
         Figure("thermal search, 20 parts, 4 sizes, 2 cores", time, "<=", SECONDS, "s", detail),
-        Figure("thermal search: rise time / best of a grid", chosen / grid, "<=", 1.0, "", f"{chosen:.4g} s"),
+        Figure("thermal search: rise time / best of a grid", chosen / grid, "<=", AS_GOOD, "", f"{chosen:.4g} s"),
     ]

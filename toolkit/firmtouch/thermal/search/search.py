@@ -16,7 +16,7 @@ import numpy as np
 from firmtouch.thermal.arrays import Array
 from firmtouch.thermal.search.candidate import Candidate, Question, confirmed, start_of, try_out
 from firmtouch.thermal.search.front import Front, front_of
-from firmtouch.thermal.search.variables import Variable, value_of, variables_of, with_values
+from firmtouch.thermal.search.variables import Value, Variable, value_of, variables_of, with_values
 from firmtouch.thermal.sensorfile.read import SensorFile
 from firmtouch.thermal.sensorfile.search import SearchSpec
 from firmtouch.thermal.sensorfile.specification import SensorSpec
@@ -26,8 +26,8 @@ EVALUATIONS: Final = 2000
 PER_VARIABLE, LEAST_POPULATION, MOST_POPULATION = 5, 16, 40
 CONVERGED: Final = 1e-3
 """Of ln of the objective: a population that differs by less has met in one place."""
-FIRST_STEP, SHORTER, POLISHING = 0.2, 3, 12
-"""Of a compass search: its first step, of a variable's range, what divides it where none is better, and its rounds."""
+POLISHED, POLISHING, FIRST_STEP, SHORTER = 4, 12, 0.2, 3
+"""Designs that compass searches begin from, their rounds, first step, of a range, and what divides it in vain."""
 BETWEEN: Final = 3
 """Runs of a front between those that make each of its objectives best alone."""
 MISSED: Final = 1e3
@@ -203,17 +203,33 @@ def _evolve(
 
 
 def _polish(archive: _Archive, variables: tuple[Variable, ...], cost: Callable[[Candidate], float]) -> None:
-    """Improve the sizes of the best design by a compass search, which ends in corners where the best lies there."""
+    """Improve the sizes of the best designs by compass searches, which end in corners where the best lies there.
+
+    It begins from the best designs with different choices: of two parts that are nearly as good, one may need other
+    sizes than the other.
+    """
     low, high = np.array([each.bounds for each in variables]).T
     sizes = [i for i, each in enumerate(variables) if not each.choices and low[i] < high[i]]
-    length, best = FIRST_STEP, archive.best(cost)
-    for _ in range(POLISHING if sizes else 0):
-        moves = np.zeros((2 * len(sizes), len(variables)))
-        moves[range(len(moves)), sizes * 2] = np.repeat([length, -length], len(sizes))
-        archive.try_all(np.clip(np.array(best.x) + moves * (high - low), low, high))
-        before, best = best, archive.best(cost)
-        if best is before:
-            length /= SHORTER
+    moves = np.zeros((2 * len(sizes), len(variables)))
+    moves[range(len(moves)), sizes * 2] = np.repeat([1.0, -1.0], len(sizes))
+    for start in _best_of_each_choice(archive, variables, cost) if sizes else ():
+        length, best = FIRST_STEP, start
+        for _ in range(POLISHING):
+            tried = archive.try_all(np.clip(np.array(best.x) + length * moves * (high - low), low, high))
+            before, best = best, min([best, *tried], key=lambda each: _energy(each, cost))
+            if best is before:
+                length /= SHORTER
+
+
+def _best_of_each_choice(
+    archive: _Archive, variables: tuple[Variable, ...], cost: Callable[[Candidate], float]
+) -> list[Candidate]:
+    """Give the best designs that differ in their choices, the best first."""
+    chosen = [each.path for each in variables if each.choices]
+    found: dict[tuple[Value, ...], Candidate] = {}
+    for each in sorted(archive.candidates, key=lambda each: _energy(each, cost)):
+        found.setdefault(tuple(each.values[path] for path in chosen), each)
+    return list(found.values())[:POLISHED]
 
 
 def _inside(variables: tuple[Variable, ...], free: list[int]) -> tuple[Array, Array]:

@@ -48,6 +48,7 @@ from firmtouch.thermal.loop import (
     temperature_transfer,
     unstable_poles,
 )
+from firmtouch.thermal.loop_reduction import LoopReduction, reduce_loop
 from firmtouch.thermal.lumped import ConstantTemperature, OnePole, TwoNode, gain_for_damping, required_conductance
 from firmtouch.thermal.metrics import (
     Metric,
@@ -132,6 +133,7 @@ __all__ = [  # noqa: RUF022  # NTC and RTD are classes, not constants
     "InversionError",
     "Layer",
     "Loop",
+    "LoopReduction",
     "LoopRingsError",
     "LoopUnstableError",
     "Material",
@@ -203,6 +205,7 @@ __all__ = [  # noqa: RUF022  # NTC and RTD are classes, not constants
     "power_response",
     "power_transfer",
     "pulse_response",
+    "reduce_loop",
     "reduce_step",
     "required_conductance",
     "rise_time",

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Final
 
 import numpy as np
 
 from firmtouch.report.document import Block, Code, Figure, Line, Math, Paragraph, Section, Table
 from firmtouch.report.figures.thermal import BodeCurve, BodePanel, bode_picture
-from firmtouch.report.numbers import number
+from firmtouch.report.numbers import complex_number, number
 from firmtouch.report.thermal.responses import shown_objects
 from firmtouch.report.thermal.words import breakable, quantity, unit_words
-from firmtouch.thermal.analysis import Analysis
+from firmtouch.thermal.analysis import Analysis, RationalModel
+from firmtouch.thermal.loop_reduction import LoopReduction
 
 TURN: Final = 2 * math.pi
 WHOLE: Final = {
@@ -97,6 +98,15 @@ def _margins(analysis: Analysis) -> Iterator[Block]:
     yield Table(headings, tuple(rows), frozenset({1, 2, 3, 4}), caption)
 
 
+def _around_loop(models: Sequence[RationalModel]) -> str:
+    if not isinstance(models[0].reduction, LoopReduction):
+        return ""
+    return (
+        " Of a loop these are the two ways to the sensor, from the object and from the heater; the loop is closed "
+        "around them exactly, and has complex poles too."
+    )
+
+
 def _rational(analysis: Analysis) -> Iterator[Block]:
     models = analysis.rational
     if not models:
@@ -107,8 +117,9 @@ def _rational(analysis: Analysis) -> Iterator[Block]:
             "Diffusion has no rational transfer function. For python-control, each response is fitted by ",
             Math("sum_i r_i slash (s - p_i)"),
             " with real poles, evenly spaced in the logarithm of time and so stable by construction (",
-            Code("Reduction.state_space()"),
-            ").",
+            Code("state_space()"),
+            " of each reduction).",
+            _around_loop(models),
             f" The dead time of {quantity(late, 's')} goes before it." if late else "",
             " The error is the largest of the unit step response over the times in which the model holds.",
         )
@@ -124,8 +135,8 @@ def _rational(analysis: Analysis) -> Iterator[Block]:
         cells = (
             each.object,
             str(found.poles.size),
-            number(float(found.poles[np.abs(found.poles).argmin()]), 3),
-            number(float(found.poles[np.abs(found.poles).argmax()]), 3),
+            complex_number(complex(found.poles[np.abs(found.poles).argmin()]), 3),
+            complex_number(complex(found.poles[np.abs(found.poles).argmax()]), 3),
             number(found.error, 2),
             number(found.relative_error, 2),
             quantity(found.earliest, "s"),

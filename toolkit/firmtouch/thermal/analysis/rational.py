@@ -12,6 +12,7 @@ from firmtouch.thermal.analysis.felt import Felt
 from firmtouch.thermal.analysis.spectra import signal_transfer, signal_unit, usual
 from firmtouch.thermal.arrays import Complex, Response
 from firmtouch.thermal.inversion import euler, talbot
+from firmtouch.thermal.loop_reduction import LoopReduction, reduce_loop
 from firmtouch.thermal.metrics import Metric
 from firmtouch.thermal.reduction import Reduction, reduce_step
 from firmtouch.thermal.sensor import HeldTemperature, Sensor
@@ -27,12 +28,13 @@ LEAST: Final = 1e-6
 class RationalModel:
     """A rational model of the signal by what makes it (`unit`), for one object.
 
-    `dead_time` (s) is not in it: e^{-s T_d} goes before it.
+    A loop is closed exactly around reduced channels, and has complex poles; but one with a dead time is fitted as a
+    whole, by real poles. `dead_time` (s) is not in it: e^{-s T_d} goes before it.
     """
 
     object: str
     unit: str
-    reduction: Reduction
+    reduction: Reduction | LoopReduction
     dead_time: float
 
 
@@ -49,8 +51,15 @@ def _models(felt: Felt) -> Iterator[RationalModel]:
         earliest = max(EARLIEST * begins, LEAST * window)
         if not earliest < window:  # nothing is felt
             continue
-        model = reduce_step(_unit_step(sensor, each.touch), earliest=earliest, window=window)
-        yield RationalModel(each.object, signal_unit(sensor), model, late)
+        yield RationalModel(each.object, signal_unit(sensor), _reduced(sensor, each.touch, earliest, window), late)
+
+
+def _reduced(sensor: Sensor, touch: Touch, earliest: float, window: float) -> Reduction | LoopReduction:
+    drive = sensor.drive
+    if isinstance(drive, HeldTemperature) and not drive.loop.dead_time:
+        power = drive.reads_power
+        return reduce_loop(sensor.stack, touch, drive.loop, earliest=earliest, window=window, reads_power=power)
+    return reduce_step(_unit_step(sensor, touch), earliest=earliest, window=window)
 
 
 def dead_time(sensor: Sensor) -> float:

@@ -28,6 +28,8 @@ CONVERGED: Final = 1e-3
 """Of ln of the objective: a population that differs by less has met in one place."""
 POLISHED, POLISHING, FIRST_STEP, SHORTER = 4, 12, 0.2, 3
 """Designs that compass searches begin from, their rounds, first step, of a range, and what divides it in vain."""
+SPENT: Final = 0.25
+"""Of all evaluations: what compass searches may take, but for one that there always is."""
 BETWEEN: Final = 3
 """Runs of a front between those that make each of its objectives best alone."""
 MISSED: Final = 1e3
@@ -212,7 +214,8 @@ def _polish(archive: _Archive, variables: tuple[Variable, ...], cost: Callable[[
     sizes = [i for i, each in enumerate(variables) if not each.choices and low[i] < high[i]]
     moves = np.zeros((2 * len(sizes), len(variables)))
     moves[range(len(moves)), sizes * 2] = np.repeat([1.0, -1.0], len(sizes))
-    for start in _best_of_each_choice(archive, variables, cost) if sizes else ():
+    begun = max(1, min(POLISHED, round(SPENT * archive.limit / (POLISHING * max(len(moves), 1)))))
+    for start in _best_of_each_choice(archive, variables, cost)[:begun] if sizes else ():
         length, best = FIRST_STEP, start
         for _ in range(POLISHING):
             tried = archive.try_all(np.clip(np.array(best.x) + length * moves * (high - low), low, high))
@@ -229,7 +232,7 @@ def _best_of_each_choice(
     found: dict[tuple[Value, ...], Candidate] = {}
     for each in sorted(archive.candidates, key=lambda each: _energy(each, cost)):
         found.setdefault(tuple(each.values[path] for path in chosen), each)
-    return list(found.values())[:POLISHED]
+    return list(found.values())
 
 
 def _inside(variables: tuple[Variable, ...], free: list[int]) -> tuple[Array, Array]:

@@ -27,11 +27,12 @@ lint: .venv/test
 benchmark: .venv/test
 	$(BIN)/python -m tests.benchmarks
 
-# The two finished reports that the repository keeps.
+# The three finished reports that the repository keeps.
 samples: .venv/package
 	for model in planar_2r_wall two_arms_bar; do \
 	    $(BIN)/firmtouch design models/$$model.yaml --out reports/samples/$$model || exit 1; \
 	done
+	$(BIN)/firmtouch thermal models/thermal/fingertip_film.yaml --out reports/samples/fingertip_film
 
 # The three stamps: the environment, the package compiled in it, and the test extras.
 .venv/core: requirements.lock

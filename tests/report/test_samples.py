@@ -9,7 +9,9 @@ import pytest
 import firmtouch
 from firmtouch.certificate.file import read_certificate
 from firmtouch.certificate.verify import verify
-from firmtouch.report import design_as_json
+from firmtouch.report import design_as_json, study_as_json
+from firmtouch.thermal.sensorfile import read_sensor
+from firmtouch.thermal.study import study_sensor
 
 ROOT = Path(__file__).parents[2]
 
@@ -41,3 +43,21 @@ def test_a_kept_certificate_is_proven_again():
     model = firmtouch.read_model(ROOT / "models" / "planar_2r_wall.yaml")
     found = verify(file, model, (folder / "design.json").read_bytes())
     assert found.holds, found.differences
+
+
+def test_the_kept_sensor_is_what_its_report_says():
+    """The sensor that the search found, analysed once more from the file that was written of it."""
+    folder = ROOT / "reports" / "samples" / "fingertip_film"
+    kept = json.loads((folder / "thermal.json").read_text(encoding="utf-8"))
+    source = (ROOT / "models" / "thermal" / "fingertip_film.yaml").read_text(encoding="utf-8")
+    assert kept["file"]["source"] == source
+    assert kept["verdict"] == "met"
+    made = study_as_json(study_sensor(read_sensor(folder / "sensor.yaml")))
+    assert made["verdict"] == "met"
+    for key in ("object", "contact", "drive"):
+        assert [each[key] for each in kept["responses"]] == [each[key] for each in made["responses"]]
+    for key in ("rise_time_10_90", "rise_time_63", "end_value", "gain"):
+        found = [[each[key] for each in of["responses"]] for of in (kept, made)]
+        np.testing.assert_allclose(*found, rtol=1e-4)  # sizes are written with six figures
+    assert (folder / "report.html").read_text(encoding="utf-8").rstrip().endswith("</html>")
+    assert (folder / "report.pdf").read_bytes().rstrip().endswith(b"%%EOF")

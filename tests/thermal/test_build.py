@@ -300,10 +300,12 @@ class TestItGivesWhatHandMadeValuesGive:
     def test_a_contact(self):
         sensor = built()
         for each, thing in zip(sensor.touches, (IRON, GEL), strict=True):
-            expected = ContactEvent(self.STACK, Touch(HalfSpace(thing), 1e4), -15.0).temperature(self.T)
+            expected = ContactEvent(self.STACK, Touch(HalfSpace(thing), 1e4, air=10), -15.0).temperature(self.T)
             assert response(sensor, each)(self.T) == pytest.approx(expected, rel=1e-12)
 
     def test_a_loop(self):
         sensor = built(drive="{mode: constant_temperature, loop_gain: 5e4, sensor_lag: 0.2 ms}")
-        expected = -15 * power_response(self.STACK, Touch(HalfSpace(IRON), 1e4), Loop(5e4, 2, sensor_lag=2e-4), self.T)
+        expected = -15 * power_response(
+            self.STACK, Touch(HalfSpace(IRON), 1e4, air=10), Loop(5e4, 2, sensor_lag=2e-4), self.T
+        )
         assert response(sensor, sensor.touches[0])(self.T) == pytest.approx(expected, rel=1e-9)

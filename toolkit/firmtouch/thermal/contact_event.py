@@ -2,8 +2,9 @@
 
 At t = 0 an object at T_o meets a face at T_s, both in steady state. By the compensation theorem all deviations that
 follow are those of the post-contact network with a step dV = T_o - T_s at the contact and every other source zero; what
-went on inside of the finger before does not matter. It needs a linear network, and the air's part under the pad is
-neglected after the touch, an error of h_air/h. A constant heater power adds nothing, so open loop is that too.
+went on inside of the finger before does not matter. It needs a linear network. A constant heater power adds nothing, so
+open loop is that too. What the face gave to the air, and gives no more under the object, is a second step, of flux
+(`Touch.air`); without it the error is h_air (1/h + Z_o), next to nothing on metals and some 10 % on a foam in a second.
 """
 
 from __future__ import annotations

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -100,6 +100,11 @@ def time_to_discriminate(
     return float(times[np.argmax(told)]) if told.any() else math.inf
 
 
+def _by_contact(event: ContactEvent, s: Complex) -> Complex:
+    """Give what a source in the contact does to the sensed plane; a change of 1/h or Z_o is one, times the flux."""
+    return contact_transfer(event.stack, replace(event.touch, air=0.0), s).sensed
+
+
 def effusivity_sensitivity(event: ContactEvent) -> Response:
     """Give d theta/d ln e_o (K) of the sensed plane, for an object that is a half-space: theta Z_o/(Z_s + 1/h + Z_o).
 
@@ -113,8 +118,7 @@ def effusivity_sensitivity(event: ContactEvent) -> Response:
 
     def of(t: Array) -> Array:
         def transfer(s: Complex) -> Complex:
-            found = contact_transfer(event.stack, event.touch, s)
-            return -found.sensed * found.object_face
+            return -_by_contact(event, s) * contact_transfer(event.stack, event.touch, s).object_face
 
         return event.difference * step(transfer, t)
 
@@ -126,8 +130,8 @@ def conductance_sensitivity(event: ContactEvent) -> Response:
 
     def of(t: Array) -> Array:
         def transfer(s: Complex) -> Complex:
-            found = contact_transfer(event.stack, event.touch, s)
-            return found.sensed * found.flux / event.touch.conductance
+            flux = contact_transfer(event.stack, event.touch, s).flux
+            return _by_contact(event, s) * flux / event.touch.conductance
 
         return event.difference * step(transfer, t)
 

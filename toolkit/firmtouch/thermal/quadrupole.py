@@ -15,7 +15,7 @@ Where one touch is expected, several may be given: what is found has one more ax
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import reduce
 from operator import mul
@@ -165,7 +165,7 @@ class ContactTransfer:
     """What a unit step T_o - T_s = 1 K between two faces that meet makes of each (times 1/s: the step's transform).
 
     `sensed`: temperature at the plane asked for; `face`, `object_face`: those of the two faces, each a deviation from
-    what it had; `flux`: q'' (W/m2K) into the fingertip.
+    what it had; `flux`: q'' (W/m2K) from the object into the fingertip.
     """
 
     sensed: Complex
@@ -187,10 +187,19 @@ def _side_by_side(ends: Front | TouchedObject | Sequence[Front | TouchedObject],
     return Port(np.stack([each.u for each in ports]), np.stack([each.v for each in ports]))
 
 
+def of_touch(touch: Touch | Sequence[Touch], s: Complex, number: Callable[[Touch], float]) -> Array | float:
+    """Give a number of a touch, or those of several along a first axis before the axes of s."""
+    if isinstance(touch, Sequence):
+        return np.array([number(each) for each in touch]).reshape(-1, *[1] * s.ndim)
+    return number(touch)
+
+
 def contact_transfer(
     stack: Stack, touch: Touch | Sequence[Touch], s: ArrayLike, *, plane: int | None = None
 ) -> ContactTransfer:
     """Give theta/dV and q''/dV: Z_s / (Z_s + 1/h + Z_o) times the plane transfers, and 1 / (Z_s + 1/h + Z_o).
+
+    What the air took before the touch is a source of -`air` dV at the face, which sees Z_s beside 1/h + Z_o.
 
     Raises
     ------
@@ -202,18 +211,17 @@ def contact_transfer(
     stack.check_plane(plane)
     way = _way(stack.elements, port_of(stack.backing, s), s)
     back = way.ports[0]
-    if isinstance(touch, Sequence):
-        touched = _side_by_side([each.object for each in touch], s)
-        resistance: Array | float = np.array([1 / each.conductance for each in touch]).reshape(-1, *[1] * s.ndim)
-    else:
-        touched, resistance = port_of(touch.object, s), 1 / touch.conductance
-    whole = back.u * touched.v + back.v * (touched.v * resistance + touched.u)
-    face = back.u * touched.v / whole
+    touched = _side_by_side([each.object for each in touch] if isinstance(touch, Sequence) else touch.object, s)
+    before = touched.u + touched.v * of_touch(touch, s, lambda each: 1 / each.conductance)
+    air = of_touch(touch, s, lambda each: each.air)
+    whole = back.u * touched.v + back.v * before
+    face = back.u * (touched.v - air * before) / whole
+    driven = (back.v + air * back.u) / whole
     return ContactTransfer(
         sensed=face * way.passed(plane),
         face=face,
-        object_face=-back.v * touched.u / whole,
-        flux=back.v * touched.v / whole,
+        object_face=-driven * touched.u,
+        flux=driven * touched.v,
     )
 
 

@@ -82,6 +82,16 @@ class Temperatures:
         return self.object - self.face
 
 
+def air_before(at: Temperatures, *, second: bool = False, front: Air = STILL_AIR) -> float:
+    """Give `Touch.air` (W/m2K): h_air (T_s - T_a)/(T_s - T_o), and h_air of the difference of two faces.
+
+    Where face and object have one temperature there is no such number, and the air is left out.
+    """
+    if second:
+        return front.conductance
+    return front.conductance * (at.face - at.ambient) / -at.difference if at.difference else 0.0
+
+
 @dataclass(frozen=True, slots=True)
 class Pad:
     """A touch element, a disc of a radius (m); `pitch` (m) is the distance of neighbours, `inf` for a single one."""

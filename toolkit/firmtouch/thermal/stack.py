@@ -137,13 +137,19 @@ TouchedObject = HalfSpace | Slab | Disc | Base
 
 @dataclass(frozen=True, slots=True)
 class Touch:
-    """An object, and the conductance h (W/m2K) of the contact with it; `inf` is a perfect one."""
+    """An object, and the conductance h (W/m2K) of the contact with it; `inf` is a perfect one.
+
+    `air` (W/m2K) is what the face gave to the air before, h_air (T_s - T_a), and gives no more, by T_s - T_o.
+    """
 
     object: TouchedObject
     conductance: float
+    air: float = 0.0
 
     def __post_init__(self) -> None:
         require_conductance(self.conductance)
+        if not math.isfinite(self.air):
+            raise ThermalValueError("air's conductance before the touch", self.air, "a finite number")
 
 
 Front = Touch | Air | Adiabatic

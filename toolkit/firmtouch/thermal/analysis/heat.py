@@ -16,7 +16,7 @@ from firmtouch.thermal.contact_event import pulse_response, while_on
 from firmtouch.thermal.inversion import EULER_ORDER, euler, step
 from firmtouch.thermal.loop import power_transfer
 from firmtouch.thermal.metrics import DENSER
-from firmtouch.thermal.quadrupole import contact_transfer, heater_transfer
+from firmtouch.thermal.quadrupole import contact_transfer, heater_transfer, of_touch
 from firmtouch.thermal.readout import reading_power
 from firmtouch.thermal.sensor import HeldPower, HeldTemperature, Pulsed, Sensor
 from firmtouch.thermal.signals import responses, scale
@@ -155,14 +155,15 @@ def _intervals(breaks: Sequence[float], knots: int) -> tuple[Array, Array]:
 def flux_into(sensor: Sensor, touches: Sequence[Touch], t: Array, *, order: int = EULER_ORDER) -> Array:
     """Give q'' (W/m2) that does to the untouched face what touches do, at times t (s), with the drive's part in it.
 
-    It is what the object gives, and what the air before an untouched face would take, h_air theta_face.
+    It is what the object gives, what the air took before and takes no more, and what the air before an untouched face
+    would take, h_air theta_face.
     """
     stack, heater, scaled = sensor.stack, sensor.heater, scale(sensor)
     air = sensor.front.conductance
 
     def of_contact(s: Complex) -> Complex:
         found = contact_transfer(stack, touches, s)
-        return found.flux + air * found.face
+        return np.asarray(found.flux + air * found.face - of_touch(touches, s, lambda each: each.air))
 
     def of_heater(s: Complex) -> Complex:
         """Give the same per heater power, of which the object takes theta_face/(1/h + Z_o)."""

@@ -72,10 +72,13 @@ def spread_signals(sensor: Sensor, touches: Sequence[Touch], until: float, rate:
 
 
 def by_temperature(sensor: Sensor, touches: Sequence[Touch], times: Array) -> Array | None:
-    """Give d signal/d T_o: what a difference of one kelvin makes; None where T_o does not matter."""
+    """Give d signal/d T_o: what a difference of one kelvin makes; None where T_o does not matter.
+
+    What the air took before does not depend on it.
+    """
     if sensor.drive.mode == "two_temperature" or not times.size:
         return None
-    here = sensor.temperatures
+    here, touches = sensor.temperatures, [replace(each, air=0.0) for each in touches]
     warmer, colder = (replace(sensor, temperatures=replace(here, object=here.object + d)) for d in (0.5, -0.5))
     return _at(warmer, touches, times) - _at(colder, touches, times)
 

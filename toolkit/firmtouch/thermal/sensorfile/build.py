@@ -20,6 +20,7 @@ from firmtouch.thermal.sensor import (
     Temperatures,
     TwoFaces,
     Unknown,
+    air_before,
 )
 from firmtouch.thermal.sensorfile.specification import SensorSpec
 from firmtouch.thermal.sensorfile.stack import BackingSpec, SensingElement, StackEntry
@@ -133,8 +134,9 @@ def _drive(spec: SensorSpec, pad: Pad | None) -> Drive:
 
 def _scenarios(spec: SensorSpec, catalogue: Catalogue, pad: Pad | None) -> tuple[Scenario, ...]:
     """List every object with every contact; conductances of pressures depend on the object too."""
+    air = air_before(_temperatures(spec), second=spec.drive.mode == "two_temperature")
     return tuple(
-        Scenario(each.called, level, Touch(_object(each, catalogue, pad), h))
+        Scenario(each.called, level, Touch(_object(each, catalogue, pad), h, air))
         for each in spec.objects
         for level, h in _conductances(spec, catalogue, catalogue.materials[each.material])
     )

@@ -195,6 +195,7 @@ def _search(found: SearchResult) -> dict[str, Any]:
         ],
         "front": None if found.front is None else {
             "objectives": list(found.front.objectives),
+            "units": list(found.front.units),
             "designs": [_candidate(each) for each in found.front.designs],
         },
     }  # fmt: skip

@@ -16,10 +16,8 @@ if TYPE_CHECKING:
     from firmtouch.thermal.search import Candidate, Front, SearchResult
 
 WORDS: Final = {"rise_time": "rise time", "power": "power", "thickness": "thickness", "discrimination": "d′"}
-AXES: Final = {
-    "rise_time": (1e3, "ms"), "power": (1e3, "mW"), "thickness": (1e3, "mm"), "discrimination": (1.0, "")
-}  # fmt: skip
-UNITS: Final = {"rise_time": "s", "power": "W", "thickness": "m", "discrimination": "1"}
+AXES: Final = {"s": (1e3, "ms"), "W": (1e3, "mW"), "W/m^2": (1e-3, "kW/m²"), "m": (1e3, "mm"), "1": (1.0, "")}
+"""Units of a front's axes, and how many of them go into those of its figures."""
 MOST_COLUMNS: Final = 4
 """Of variables in the table of the front."""
 AT: Final = 1e-6
@@ -96,15 +94,13 @@ def _front(front: Front, found: SearchResult) -> Iterator[Block]:
 
 def tradeoff(front: Front) -> Tradeoff:
     """Give a front as it is drawn; there must be a design."""
-
-    def axis(name: str) -> Axis:
-        factor, unit = AXES[name]
-        return Axis(WORDS[name], unit, tuple(factor * each.figures[name] for each in front.designs))
-
-    x, y, *more = (axis(each) for each in front.objectives)
-    first, second, *_ = ((name, AXES[name][0]) for name in front.objectives)
-    chosen = (first[1] * front.chosen.figures[first[0]], second[1] * front.chosen.figures[second[0]])
-    return Tradeoff(x, y, chosen, more[0] if more else None)
+    named = tuple(zip(front.objectives, (AXES[each] for each in front.units), strict=True))
+    x, y, *more = (
+        Axis(WORDS[name], unit, tuple(factor * each.figures[name] for each in front.designs))
+        for name, (factor, unit) in named
+    )
+    left, up = (factor * front.chosen.figures[name] for name, (factor, _) in named[:2])
+    return Tradeoff(x, y, (left, up), more[0] if more else None)
 
 
 def _shown(front: Front) -> tuple[Candidate, ...]:
@@ -143,7 +139,7 @@ def _designs(front: Front, found: SearchResult) -> Table:
 
 def _row(design: Candidate, front: Front, shown: list[Variable]) -> Iterator[Line]:
     mark = Strong if design.x == front.chosen.x else str
-    for name in front.objectives:
-        yield (mark(quantity(design.figures[name], UNITS[name])),)
+    for name, unit in zip(front.objectives, front.units, strict=True):
+        yield (mark(quantity(design.figures[name], unit)),)
     for each in shown:
         yield (mark(value_words(each, design.values[each.path])),)

@@ -27,7 +27,6 @@ HOPELESS: Final = 50.0
 """The ln of a factor that counts for nothing reached at all."""
 LOOP_MARGIN: Final = 0.5
 """What a search asks of a loop where the file does not: a sensitivity of 2 at most."""
-OBJECTIVE_UNITS: Final = {"rise_time": "s", "power": "W", "thickness": "m", "discrimination": "1"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,8 +117,8 @@ def _figure(name: str, asked: RequirementsSpec, felt: Felt, reached: tuple[Outco
     """Measure an objective; an asked requirement has measured it already."""
     known = {each.name: each.reached for each in reached}
     match name:
-        case "rise_time" if "rise_time" in known:
-            return known["rise_time"]
+        case "rise_time" | "discrimination" if name in known:
+            return known[name]
         case "rise_time":
             metric = METRICS.get(asked.rise_time.metric if asked.rise_time is not None else "", Metric.TEN_TO_NINETY)
             return float(felt.rises(metric).seconds.max())
@@ -128,7 +127,7 @@ def _figure(name: str, asked: RequirementsSpec, felt: Felt, reached: tuple[Outco
         case "thickness":
             return felt.sensor.stack.thickness
         case _:
-            return known.get(name, 0.0) if name in known else min(each.d_prime for each in pairs(asked, felt))
+            return min(each.d_prime for each in pairs(asked, felt))
 
 
 def start_of(question: Question, of_spec: Mapping[Path, Value | None]) -> Array:

@@ -11,26 +11,34 @@ import numpy as np
 from firmtouch.thermal.arrays import Array
 from firmtouch.thermal.search.candidate import Candidate
 
+UNITS: Final = {"rise_time": "s", "power": "W", "thickness": "m", "discrimination": "1"}
 POINTS: Final = 15
 """Designs that a front shows, its ends among them."""
 
 
 @dataclass(frozen=True, slots=True)
 class Front:
-    """Designs of which none is better in every one of some objectives, from the best in the first to the worst."""
+    """Designs of which none is better in every one of some objectives, from the best in the first to the worst.
+
+    `units` are those of the objectives; a power is a pad's (W), and without a pad one by area (W/m2).
+    """
 
     objectives: tuple[str, ...]
+    units: tuple[str, ...]
     designs: tuple[Candidate, ...]
     chosen: Candidate
 
 
-def front_of(candidates: Sequence[Candidate], objectives: Sequence[str], chosen: Candidate) -> Front:
+def front_of(
+    candidates: Sequence[Candidate], objectives: Sequence[str], chosen: Candidate, *, by_area: bool = False
+) -> Front:
     """Find the front among those that meet everything, thinned out evenly."""
     met = [*(each for each in candidates if each.meets), chosen]
     costs = np.array([[each.cost(name) for name in objectives] for each in met])
     best = [met[i] for i in np.flatnonzero(_not_dominated(costs))]
     best.sort(key=lambda each: each.cost(objectives[0]))
-    return Front(tuple(objectives), tuple(_thinned(best, objectives)), chosen)
+    units = tuple("W/m^2" if name == "power" and by_area else UNITS[name] for name in objectives)
+    return Front(tuple(objectives), units, tuple(_thinned(best, objectives)), chosen)
 
 
 def _not_dominated(costs: Array) -> Array:

@@ -84,7 +84,9 @@ def search(file: SensorFile, *, jobs: int = 1, tell: Tell = lambda _: None) -> S
             )
         _polish(archive, variables, objective)
         chosen = confirmed(question, _rounded(archive, question, archive.best(objective), spec.objective))
-    front = front_of(archive.candidates, spec.front, chosen) if spec.front and archive.met else None
+    front = None
+    if spec.front and archive.met:
+        front = front_of(archive.candidates, spec.front, chosen, by_area=file.spec.pad is None)
     design = with_values(file.spec, chosen.values).model_copy(update={"requirements": question.asked})
     return SearchResult(spec, design, variables, chosen, front, len(archive.candidates), archive.met)
 

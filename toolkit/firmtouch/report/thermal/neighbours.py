@@ -21,7 +21,7 @@ def section(analysis: Analysis) -> Section | None:
         f"heat through the object that both touch, {quantity(first.time, 's')} after the touch. “Next pad” is what it "
         "does to the object's face under a pad, of what that pad itself does, at equal heat flows; it blurs that part "
         f"of a signal by which objects differ. “In the signal” is what it takes off the whole signal. "
-        f"Through the layers between two pads it is at most {_share(first.substrate)}."
+        f"Through the layers between two pads no more than a share of {_share(first.substrate)} passes."
     )
     whole = pad.count > 2
     headings: tuple[Line, ...] = (("object",), ("next pad",), ("in the signal",))

@@ -14,6 +14,32 @@ def section(analysis: Analysis) -> Section:
 
 
 def _blocks(analysis: Analysis) -> Iterator[Block]:
+    yield from _layers()
+    yield from _touch(analysis)
+    yield Paragraph(
+        (
+            "Times are found by inverting these transforms numerically (Abate and Whitt's Euler method for loops, "
+            "Talbot's contour for all others). A 10–90 % rise time is ",
+            Math("t_90 - t_10"),
+            " of the extremum in the window.",
+        )
+    )
+    if analysis.discrimination or analysis.range:
+        yield Paragraph(
+            (
+                "With the difference ",
+                Math("D"),
+                " of two signals at the samples, white noise ",
+                Math("sigma"),
+                ", and the columns of ",
+                Math("G"),
+                " for what a standard deviation of each unknown does to them:",
+            )
+        )
+        yield Equation("d'^2 = D^T (sigma^2 I + G G^T)^(-1) D")
+
+
+def _layers() -> Iterator[Block]:
     yield Paragraph(
         (
             "Heat flows in one dimension through the layers. Each takes temperature and flux from one face to the "
@@ -34,6 +60,9 @@ def _blocks(analysis: Analysis) -> Iterator[Block]:
         )
     )
     yield Equation('Z <- (Z + tanh(x) slash (k g)) / (1 + Z k g tanh(x)), quad Z_"object" = 1 / (e sqrt(s))')
+
+
+def _touch(analysis: Analysis) -> Iterator[Block]:
     if analysis.sensor.pad is not None:
         yield Paragraph(
             (
@@ -66,24 +95,3 @@ def _blocks(analysis: Analysis) -> Iterator[Block]:
         yield Equation(
             "p = - (K F T_c) / (1 + L) (T_o - T_s) / s, quad L = K Z_p F, quad F = e^(-s T_d) / (tau_s s + 1)"
         )
-    yield Paragraph(
-        (
-            "Times are found by inverting these transforms numerically (Abate and Whitt's Euler method for loops, "
-            "Talbot's contour for all others). A 10–90 % rise time is ",
-            Math("t_90 - t_10"),
-            " of the extremum in the window.",
-        )
-    )
-    if analysis.discrimination or analysis.range:
-        yield Paragraph(
-            (
-                "With the difference ",
-                Math("D"),
-                " of two signals at the samples, white noise ",
-                Math("sigma"),
-                ", and the columns of ",
-                Math("G"),
-                " for what a standard deviation of each unknown does to them:",
-            )
-        )
-        yield Equation("d'^2 = D^T (sigma^2 I + G G^T)^(-1) D")

@@ -33,7 +33,7 @@ from firmtouch.thermal import (
 from firmtouch.thermal.analysis import feel, loop_margin
 from firmtouch.thermal.analysis.felt import COARSE, FINE
 from firmtouch.thermal.metrics import measure, rises, sample
-from firmtouch.thermal.readout import Readout, own_heat, signal_noise
+from firmtouch.thermal.readout import Readout, own_heat
 from firmtouch.thermal.sensor import (
     HeldPower,
     HeldTemperature,
@@ -43,7 +43,7 @@ from firmtouch.thermal.sensor import (
     Temperatures,
     TwoFaces,
 )
-from firmtouch.thermal.signals import response, responses, scale
+from firmtouch.thermal.signals import response, responses, scale, signal_noise
 
 WINDOW = 0.5
 T = WINDOW * np.logspace(-6, 0, 31)

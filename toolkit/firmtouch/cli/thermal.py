@@ -69,7 +69,7 @@ def _contents(study: Study, progress: Callable[[str], None], *, pdf: bool) -> di
         "responses.csv": responses_as_csv(study.analysis).encode(),
     }
     if study.search is not None:
-        from firmtouch.thermal.sensorfile.edit import designed_text
+        from firmtouch.thermal.search.designed_file import designed_text
 
         analysis = study.analysis
         contents["sensor.yaml"] = designed_text(analysis.file, analysis.spec, study.search.chosen.values).encode()

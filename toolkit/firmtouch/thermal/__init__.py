@@ -83,7 +83,7 @@ from firmtouch.thermal.quadrupole import (
     input_impedance,
     object_impedance,
 )
-from firmtouch.thermal.readout import Readout, own_heat, signal_noise
+from firmtouch.thermal.readout import Readout, own_heat
 from firmtouch.thermal.reduction import Reduction, reduce_step
 from firmtouch.thermal.sensor import (
     HeldPower,
@@ -96,6 +96,7 @@ from firmtouch.thermal.sensor import (
     TwoFaces,
     Unknown,
 )
+from firmtouch.thermal.signals import signal_noise
 from firmtouch.thermal.stack import (
     Adiabatic,
     Air,

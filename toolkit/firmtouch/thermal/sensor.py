@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 from firmtouch.thermal.arrays import ThermalValueError, require_positive
 from firmtouch.thermal.contact_event import Pulse
 from firmtouch.thermal.loop import Loop
 from firmtouch.thermal.readout import Readout
-from firmtouch.thermal.stack import Air, Material, Stack, Touch
+from firmtouch.thermal.stack import Air, Stack, Touch
 
 STILL_AIR = Air(10.0)
 """What the touched face gives to the air while it touches nothing [M]: 5 to 10 W/m2K, radiation included."""
@@ -160,13 +159,3 @@ class Sensor:
     def touches(self) -> tuple[Touch, ...]:
         """Give the touches of its scenarios."""
         return tuple(each.touch for each in self.scenarios)
-
-    @property
-    def cover(self) -> Material | None:
-        """Give the material of the touched face, where that is a layer."""
-        first = self.stack.elements[0] if self.stack.elements else None
-        return getattr(first, "material", None)
-
-    def among(self, objects: Sequence[str]) -> tuple[int, ...]:
-        """Give the places of the scenarios with these objects."""
-        return tuple(i for i, each in enumerate(self.scenarios) if each.object in objects)

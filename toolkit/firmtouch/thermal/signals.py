@@ -1,4 +1,4 @@
-"""What a sensor feels: its drive's signal after a touch, as a function of time.
+"""What a sensor feels: its drive's signal after a touch, as a function of time, and the noise in it.
 
 `response` is the careful way for one touch: a loop that grows, or rings longer than can be followed, is refused.
 `responses` is the fast one for many touches at once, unchecked, for a search; both compute the same.
@@ -6,17 +6,29 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from typing import Final
 
 import numpy as np
 
 from firmtouch.thermal.arrays import Array, Complex, Response
 from firmtouch.thermal.contact_event import ContactEvent, pulse_response, two_temperatures
 from firmtouch.thermal.inversion import EULER_ORDER, euler, step
-from firmtouch.thermal.loop import power_after_dead_time, power_response, temperature_response, temperature_transfer
-from firmtouch.thermal.quadrupole import contact_transfer, heater_transfer
+from firmtouch.thermal.loop import (
+    loop_transfer,
+    power_after_dead_time,
+    power_response,
+    power_transfer,
+    temperature_response,
+    temperature_transfer,
+)
+from firmtouch.thermal.quadrupole import contact_transfer
 from firmtouch.thermal.sensor import Drive, HeldPower, HeldTemperature, Pulsed, Sensor, TwoFaces
-from firmtouch.thermal.stack import Touch
+from firmtouch.thermal.stack import Front, Touch
+
+FREQUENCIES: Final = 120
+"""Over which a loop's noise is added up, from a thousandth of the bandwidth on."""
 
 
 def scale(sensor: Sensor) -> float:
@@ -61,7 +73,7 @@ def responses(sensor: Sensor, touches: Sequence[Touch], t: Array, *, order: int 
     """
     match sensor.drive:
         case HeldTemperature():
-            return _of_loop(sensor, sensor.drive, touches, t, order)
+            return _of_loop(sensor, touches, t, order)
         case Pulsed(pulse=pulse):
             found = sensor.temperatures.difference * _contacts(sensor, touches, t)
             return found + pulse_response(sensor.stack, touches, pulse, t)
@@ -69,23 +81,58 @@ def responses(sensor: Sensor, touches: Sequence[Touch], t: Array, *, order: int 
             return scale(sensor) * _contacts(sensor, touches, t)
 
 
+def contact_signal(sensor: Sensor, touches: Touch | Sequence[Touch], s: Complex, *, prompt: bool = False) -> Complex:
+    """Give the signal by T_o - T_s, times 1/s for the step at contact; `prompt`, as from its dead time on.
+
+    Of a pulse it is the part that T_o - T_s makes.
+    """
+    match sensor.drive:
+        case HeldTemperature(loop=loop, reads_power=True):
+            return (power_after_dead_time if prompt else power_transfer)(sensor.stack, touches, loop, s)
+        case HeldTemperature(loop=loop):
+            return temperature_transfer(sensor.stack, touches, loop, s)
+        case _:
+            return contact_transfer(sensor.stack, touches, s).sensed
+
+
+def dead_time(sensor: Sensor) -> float:
+    """Give for how long (s) a signal is zero after the touch."""
+    drive = sensor.drive
+    return drive.loop.dead_time if isinstance(drive, HeldTemperature) and drive.reads_power else 0.0
+
+
 def _contacts(sensor: Sensor, touches: Sequence[Touch], t: Array) -> Array:
-    return step(lambda s: contact_transfer(sensor.stack, touches, s).sensed, t)
+    return step(lambda s: contact_signal(sensor, touches, s), t)
 
 
-def _of_loop(sensor: Sensor, drive: HeldTemperature, touches: Sequence[Touch], t: Array, order: int) -> Array:
-    loop, transfer = drive.loop, power_after_dead_time if drive.reads_power else temperature_transfer
-    late = loop.dead_time if drive.reads_power else 0.0
-
-    def transform(s: Complex) -> Complex:
-        return np.asarray(transfer(sensor.stack, touches, loop, s) / s)
-
+def _of_loop(sensor: Sensor, touches: Sequence[Touch], t: Array, order: int) -> Array:
+    late = dead_time(sensor)
     found = np.zeros((len(touches), t.size))
     after = t > late
-    found[:, after] = euler(transform, t[after] - late, order=order)
+    found[:, after] = euler(lambda s: contact_signal(sensor, touches, s, prompt=True) / s, t[after] - late, order=order)
     return sensor.temperatures.difference * found
 
 
-def untouched_transfer(sensor: Sensor, s: Complex) -> Complex:
-    """Give theta/P'' (m2K/W) of the sensed plane for the heater's power, while nothing is touched."""
-    return heater_transfer(sensor.stack, sensor.front, s, heater=sensor.heater)
+def signal_noise(sensor: Sensor) -> float | None:
+    """Give the noise of one sample of the signal (K or W/m2); None without a readout.
+
+    Two pads have sqrt(2) times the noise of one. A loop makes power of it: sigma_p^2 is the mean of |K/(1 + L)|^2 over
+    the bandwidth, times sigma^2, with the object that makes most of it; the noise is that of what is read, so it does
+    not pass the lag F of the sensor before it reaches the controller. That of the power is least at low frequencies,
+    and is taken as white here, which promises too little rather than too much.
+    """
+    readout = sensor.readout
+    if readout is None:
+        return None
+    match sensor.drive:
+        case TwoFaces():
+            return math.sqrt(2) * readout.noise
+        case HeldTemperature(loop=loop, reads_power=True):
+            f = readout.bandwidth * np.concatenate([[0.0], np.geomspace(1e-3, 1, FREQUENCIES)])
+            s = 2j * np.pi * np.where(f == 0, 1e-6 * readout.bandwidth, f)
+            fronts: list[Front] = [sensor.front, *sensor.touches]
+            density = np.abs(loop.controller(s) / (1 + loop_transfer(sensor.stack, fronts, loop, s))) ** 2
+            mean = np.trapezoid(density, f, axis=1) / readout.bandwidth
+            return float(readout.noise * np.sqrt(mean.max()))
+        case _:
+            return readout.noise

@@ -11,8 +11,17 @@ import numpy as np
 from firmtouch.thermal.analysis.binding import Binding, binding_of
 from firmtouch.thermal.analysis.crosstalk import Crosstalk, crosstalk_of
 from firmtouch.thermal.analysis.felt import Felt, feel, loop_margin
-from firmtouch.thermal.analysis.heat import Heat, heat, recovery_times
-from firmtouch.thermal.analysis.outcomes import METRICS, Outcome, crosstalk_time, grades, outcomes, pairs
+from firmtouch.thermal.analysis.heat import Heat, recovery_times
+from firmtouch.thermal.analysis.outcomes import (
+    METRICS,
+    Outcome,
+    crosstalk_time,
+    grades,
+    heat_of,
+    metric_of,
+    outcomes,
+    pairs,
+)
 from firmtouch.thermal.analysis.rational import RationalModel, rational_models
 from firmtouch.thermal.analysis.spectra import Spectra, spectra_of
 from firmtouch.thermal.analysis.telling import Grade, Pair
@@ -20,13 +29,13 @@ from firmtouch.thermal.analysis.tolerances import Tolerances, tolerances_of
 from firmtouch.thermal.electronics import SelfHeating
 from firmtouch.thermal.loop import require_followable, require_stable
 from firmtouch.thermal.metrics import Metric, NoResponseError
-from firmtouch.thermal.readout import own_heat, signal_noise
+from firmtouch.thermal.readout import own_heat
 from firmtouch.thermal.sensor import HeldPower, HeldTemperature, Scenario, Sensor
 from firmtouch.thermal.sensorfile.build import sensor_of
 from firmtouch.thermal.sensorfile.read import SensorFile
 from firmtouch.thermal.sensorfile.requirements import RequirementsSpec
 from firmtouch.thermal.sensorfile.specification import SensorSpec
-from firmtouch.thermal.signals import scale
+from firmtouch.thermal.signals import scale, signal_noise
 
 ENOUGH_LOOP_MARGIN: Final = 0.5
 UNEQUAL: Final = 0.05
@@ -112,9 +121,8 @@ def analyse(file: SensorFile, spec: SensorSpec | None = None) -> Analysis:
         open_loop = feel(replace(sensor, drive=HeldPower()), spec.window)
     reached = outcomes(asked, felt)
     missed = [each for each in reached if not each.met]
-    warmth, margin = heat(sensor, felt.t, felt.values), loop_margin(sensor)
-    metric = METRICS.get(asked.rise_time.metric if asked.rise_time is not None else "", Metric.TEN_TO_NINETY)
-    tolerances = tolerances_of(sensor, spec, file.catalogue, metric)
+    warmth, margin = heat_of(felt), loop_margin(sensor)
+    tolerances = tolerances_of(sensor, spec, file.catalogue, metric_of(asked))
     return Analysis(
         file=file,
         spec=spec,

@@ -4,22 +4,19 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 
 from firmtouch.thermal.arrays import Complex
 from firmtouch.thermal.inversion import euler, talbot
-from firmtouch.thermal.loop import power_transfer, temperature_transfer
+from firmtouch.thermal.loop import power_transfer
 from firmtouch.thermal.neighbours import array_crosstalk, point_source_transfer, substrate_crosstalk
 from firmtouch.thermal.pad import object_crosstalk
 from firmtouch.thermal.quadrupole import contact_transfer, heater_transfer
-from firmtouch.thermal.sensor import HeldTemperature, Pad, Sensor
+from firmtouch.thermal.sensor import HeldTemperature, Pad, Scenario, Sensor
+from firmtouch.thermal.signals import contact_signal
 from firmtouch.thermal.stack import Base, HalfSpace, Material, Touch
-
-if TYPE_CHECKING:
-    from firmtouch.thermal.sensor import Scenario
-
 
 NEGLIGIBLE: Final = 1e-12
 """A share that is less than this is none."""
@@ -100,13 +97,7 @@ def _signal_share(sensor: Sensor, touch: Touch, pad: Pad, at: float) -> float:
         return 0.0
 
     def own(s: Complex) -> Complex:
-        match sensor.drive:
-            case HeldTemperature(loop=loop, reads_power=True):
-                return power_transfer(sensor.stack, touch, loop, s)
-            case HeldTemperature(loop=loop):
-                return temperature_transfer(sensor.stack, touch, loop, s)
-            case _:
-                return contact_transfer(sensor.stack, touch, s).sensed
+        return contact_signal(sensor, touch, s)
 
     def other(s: Complex) -> Complex:
         passed = point_source_transfer(body[0], pad.pitch, s, thickness=body[1])

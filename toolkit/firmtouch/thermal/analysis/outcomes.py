@@ -17,9 +17,10 @@ from firmtouch.thermal.analysis.telling import Grade, Pair, grade, tell_pairs
 from firmtouch.thermal.discrimination import Sampling
 from firmtouch.thermal.electronics import SelfHeating
 from firmtouch.thermal.metrics import Metric
-from firmtouch.thermal.readout import own_heat, signal_noise
+from firmtouch.thermal.readout import own_heat
 from firmtouch.thermal.sensor import HeldTemperature, Sensor
 from firmtouch.thermal.sensorfile.requirements import DiscriminationSpec, RangeSpec, RequirementsSpec
+from firmtouch.thermal.signals import signal_noise
 
 METRICS: Final = {"10-90": Metric.TEN_TO_NINETY, "63 %": Metric.SIXTY_THREE}
 GRADES: Final = 7
@@ -54,7 +55,7 @@ class Outcome:
         """Give ln of the factor that is missing; 0 where it is met, `inf` where nothing is reached."""
         if self.met:
             return 0.0
-        if self.unit == "K" and self.name == "surface_temperature":
+        if self.name == "surface_temperature":
             return -self.margin / A_STEP_IN_TEMPERATURE
         least, most = sorted((self.asked, self.reached))
         return math.log(most / least) if least > 0 and math.isfinite(most) else math.inf
@@ -63,6 +64,11 @@ class Outcome:
 def outcomes(asked: RequirementsSpec, felt: Felt) -> tuple[Outcome, ...]:
     """Hold a sensor against what is asked, in the order of the file."""
     return tuple(found for name in asked.asked for found in OF[name](asked, felt))
+
+
+def metric_of(asked: RequirementsSpec) -> Metric:
+    """Give the metric of a rise time: the asked one, and 10-90 % where none is asked, or one by d'."""
+    return METRICS.get(asked.rise_time.metric if asked.rise_time is not None else "", Metric.TEN_TO_NINETY)
 
 
 def _rise_time(asked: RequirementsSpec, felt: Felt) -> Iterator[Outcome]:

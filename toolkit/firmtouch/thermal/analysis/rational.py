@@ -16,6 +16,7 @@ from firmtouch.thermal.loop_reduction import LoopReduction, reduce_loop
 from firmtouch.thermal.metrics import Metric
 from firmtouch.thermal.reduction import Reduction, reduce_step
 from firmtouch.thermal.sensor import HeldTemperature, Sensor
+from firmtouch.thermal.signals import dead_time
 from firmtouch.thermal.stack import Touch
 
 EARLIEST: Final = 0.1
@@ -60,12 +61,6 @@ def _reduced(sensor: Sensor, touch: Touch, earliest: float, window: float) -> Re
         power = drive.reads_power
         return reduce_loop(sensor.stack, touch, drive.loop, earliest=earliest, window=window, reads_power=power)
     return reduce_step(_unit_step(sensor, touch), earliest=earliest, window=window)
-
-
-def dead_time(sensor: Sensor) -> float:
-    """Give for how long (s) a signal is zero after the touch."""
-    drive = sensor.drive
-    return drive.loop.dead_time if isinstance(drive, HeldTemperature) and drive.reads_power else 0.0
 
 
 def _unit_step(sensor: Sensor, touch: Touch) -> Response:

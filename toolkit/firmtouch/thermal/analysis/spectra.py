@@ -11,9 +11,10 @@ import numpy as np
 
 from firmtouch.thermal.analysis.felt import least_distance
 from firmtouch.thermal.arrays import Array, Complex
-from firmtouch.thermal.loop import loop_transfer, power_after_dead_time, power_transfer, temperature_transfer
-from firmtouch.thermal.quadrupole import contact_transfer, frequency_response, heater_transfer
+from firmtouch.thermal.loop import loop_transfer
+from firmtouch.thermal.quadrupole import frequency_response, heater_transfer
 from firmtouch.thermal.sensor import HeldTemperature, Pulsed, Scenario, Sensor
+from firmtouch.thermal.signals import contact_signal
 from firmtouch.thermal.stack import Front, Touch
 
 TURN: Final = 2 * math.pi
@@ -90,15 +91,9 @@ def signal_transfer(sensor: Sensor, touches: Sequence[Touch], s: Complex, *, pro
 
     Of a pulse it is that for the heater's power; the part that T_o - T_s makes besides is that of a constant power.
     """
-    match sensor.drive:
-        case HeldTemperature(loop=loop, reads_power=True):
-            return (power_after_dead_time if prompt else power_transfer)(sensor.stack, touches, loop, s)
-        case HeldTemperature(loop=loop):
-            return temperature_transfer(sensor.stack, touches, loop, s)
-        case Pulsed(pulse=pulse):
-            return heater_transfer(sensor.stack, touches, s, heater=pulse.heater)
-        case _:
-            return contact_transfer(sensor.stack, touches, s).sensed
+    if isinstance(sensor.drive, Pulsed):
+        return heater_transfer(sensor.stack, touches, s, heater=sensor.drive.pulse.heater)
+    return contact_signal(sensor, touches, s, prompt=prompt)
 
 
 def spectra_of(sensor: Sensor, window: float) -> Spectra:

@@ -11,9 +11,8 @@ import numpy as np
 
 from firmtouch.errors import InputError
 from firmtouch.thermal.analysis.felt import COARSE, Felt, feel
-from firmtouch.thermal.analysis.outcomes import METRICS, Outcome, heat_of, outcomes, pairs
+from firmtouch.thermal.analysis.outcomes import Outcome, heat_of, metric_of, outcomes, pairs
 from firmtouch.thermal.arrays import Array
-from firmtouch.thermal.metrics import Metric
 from firmtouch.thermal.search.variables import Path, Value, Variable, values_at, with_values
 from firmtouch.thermal.sensorfile.build import sensor_of
 from firmtouch.thermal.sensorfile.requirements import RequirementsSpec
@@ -120,8 +119,7 @@ def _figure(name: str, asked: RequirementsSpec, felt: Felt, reached: tuple[Outco
         case "rise_time" | "discrimination" if name in known:
             return known[name]
         case "rise_time":
-            metric = METRICS.get(asked.rise_time.metric if asked.rise_time is not None else "", Metric.TEN_TO_NINETY)
-            return float(felt.rises(metric).seconds.max())
+            return float(felt.rises(metric_of(asked)).seconds.max())
         case "power":
             return heat_of(felt).most * (1.0 if felt.sensor.pad is None else felt.sensor.pad.area)
         case "thickness":

@@ -7,6 +7,8 @@ from collections.abc import Mapping
 from typing import Any, Final
 
 from firmtouch.thermal.fields import ABSOLUTE_ZERO
+from firmtouch.thermal.search.variables import UNITS
+from firmtouch.thermal.sensorfile.drive import USES
 from firmtouch.thermal.sensorfile.read import SensorFile
 from firmtouch.thermal.sensorfile.specification import SensorSpec
 from firmtouch.thermal.sensorfile.touch import LEVELS
@@ -31,8 +33,6 @@ def designed_text(file: SensorFile, design: SensorSpec, values: Mapping[tuple[st
     `values` are those that the search chose, by their paths; `design` is the specification that has them.
     """
     from ruamel.yaml import YAML
-
-    from firmtouch.thermal.search.variables import UNITS
 
     yaml = YAML()  # keeps comments and order; the text was read and checked before
     yaml.width, yaml.preserve_quotes = WIDE, True
@@ -71,8 +71,6 @@ def _section(data: Any, name: str) -> Any:  # noqa: ANN401  # ruamel's mapping
 
 def _keep_what_belongs(data: Any, design: SensorSpec) -> None:  # noqa: ANN401  # ruamel's mapping
     """Leave out what does not go with the chosen mode of the drive."""
-    from firmtouch.thermal.sensorfile.drive import USES
-
     drive = data.get("drive")
     if not hasattr(drive, "keys"):
         return

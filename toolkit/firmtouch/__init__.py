@@ -12,12 +12,12 @@ Names are loaded when they are first used, so that importing the package costs n
 
 from __future__ import annotations
 
-import importlib
+from firmtouch.lazy_names import loader
 
 TYPE_CHECKING = False  # type checkers take it as true; `typing` itself would cost a third of the start
 
 if TYPE_CHECKING:
-    from typing import Any, Final
+    from typing import Final
 
     from firmtouch.certificate.certificate import Certificate, certify
     from firmtouch.certificate.subject import Subject, subject_of
@@ -121,12 +121,7 @@ __all__ = [
     "usual_scenarios",
 ]
 
-
-def __getattr__(name: str) -> Any:  # noqa: ANN401  # whatever the name stands for
-    home = _HOME_OF.get(name)
-    if home is None:
-        raise AttributeError(f"module 'firmtouch' has no attribute {name!r}")
-    return getattr(importlib.import_module(f"firmtouch.{home}"), name)
+__getattr__ = loader(__name__, _HOME_OF)
 
 
 def __dir__() -> list[str]:

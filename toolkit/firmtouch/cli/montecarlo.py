@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from firmtouch.cli import GOOD, NO
 from firmtouch.cli.console import talk_console, working
+from firmtouch.cli.processes import processes
 from firmtouch.cli.target import load_target
 from firmtouch.errors import InputError
 
@@ -166,7 +167,7 @@ def _records(
         _bar(len(labels), len(labels) - len(todo)) as step,
     ):
         try:
-            for batch in run_all(study, todo, jobs=_jobs(arguments)):
+            for batch in run_all(study, todo, jobs=processes(arguments.jobs)):
                 journal.append(batch)
                 known |= {each.label: each for each in batch}
                 step(len(batch))
@@ -174,14 +175,6 @@ def _records(
             sys.stderr.write(f"{len(known)} runs are kept in {folder}; the same command goes on from there\n")
             raise
     return [known[each] for each in labels], time.monotonic() - begin
-
-
-def _jobs(arguments: argparse.Namespace) -> int:
-    if arguments.jobs is not None:
-        return int(arguments.jobs)
-    from joblib import cpu_count
-
-    return int(cpu_count())
 
 
 @contextmanager

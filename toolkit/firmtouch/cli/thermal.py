@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from firmtouch.cli import GOOD, NO
 from firmtouch.cli.console import results_console, talk_console, working
+from firmtouch.cli.processes import processes
 from firmtouch.errors import InputError
 
 if TYPE_CHECKING:
@@ -28,7 +29,8 @@ def run(arguments: argparse.Namespace) -> int:
         from firmtouch.report.write import write_files
         from firmtouch.thermal.study import study_sensor
 
-        study = study_sensor(file, jobs=_jobs(arguments, file), tell=progress)
+        jobs = 1 if file.spec.search is None else processes(arguments.jobs)
+        study = study_sensor(file, jobs=jobs, tell=progress)
         contents = _contents(study, progress, pdf=not arguments.no_pdf)
         folder = Path(arguments.out) if arguments.out is not None else Path("reports") / file.name
         progress("writing")
@@ -48,14 +50,6 @@ def _read(arguments: argparse.Namespace) -> SensorFile:
     from firmtouch.thermal.tables import read_catalogue
 
     return read_sensor(arguments.sensor, read_catalogue(*arguments.catalogue) if arguments.catalogue else None)
-
-
-def _jobs(arguments: argparse.Namespace, file: SensorFile) -> int:
-    if file.spec.search is None or arguments.jobs is not None:
-        return int(arguments.jobs or 1)
-    from joblib import cpu_count
-
-    return int(cpu_count())
 
 
 def _contents(study: Study, progress: Callable[[str], None], *, pdf: bool) -> dict[str, bytes]:

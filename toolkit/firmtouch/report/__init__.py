@@ -5,12 +5,12 @@ Names are loaded when they are first used: a thermal report needs nothing of mec
 
 from __future__ import annotations
 
-import importlib
+from firmtouch.lazy_names import loader
 
 TYPE_CHECKING = False
 
 if TYPE_CHECKING:
-    from typing import Any, Final
+    from typing import Final
 
     from firmtouch.report.contents import design_document
     from firmtouch.report.contents.verdict import verdict
@@ -45,12 +45,7 @@ __all__ = [
     "write_files",
 ]
 
-
-def __getattr__(name: str) -> Any:  # noqa: ANN401  # whatever the name stands for
-    home = _HOME_OF.get(name)
-    if home is None:
-        raise AttributeError(f"module 'firmtouch.report' has no attribute {name!r}")
-    return getattr(importlib.import_module(f"firmtouch.report.{home}"), name)
+__getattr__ = loader(__name__, _HOME_OF)
 
 
 def __dir__() -> list[str]:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import importlib
-
+from firmtouch.lazy_names import loader
 from firmtouch.report.figures.s_plane import region_plane, s_plane  # a function with its module's name
 
 TYPE_CHECKING = False
 
 if TYPE_CHECKING:
-    from typing import Any, Final
+    from typing import Final
 
     from firmtouch.report.figures.eigenvalues import eigenvalue_chart
     from firmtouch.report.figures.force_loop import nyquist_picture, stiffness_picture
@@ -34,9 +33,4 @@ __all__ = [
     "stiffness_picture",
 ]
 
-
-def __getattr__(name: str) -> Any:  # noqa: ANN401  # whatever the name stands for
-    home = _HOME_OF.get(name)
-    if home is None:
-        raise AttributeError(f"module 'firmtouch.report.figures' has no attribute {name!r}")
-    return getattr(importlib.import_module(f"firmtouch.report.figures.{home}"), name)
+__getattr__ = loader(__name__, _HOME_OF)
